@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+// What is traced: geometry, materials, lights and camera as plain data, in world space. Readers and generators make a
+// Scene; the tracer and the reference each build their own structures from it and share nothing else.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <string>
+#include <vector>
+
+namespace plumbline {
+
+/// No index: an optional reference (normal, texture coordinate, texture, primitive) that is absent.
+inline constexpr std::uint32_t kNone = 0xffffffffu;
+
+/// A surface as SPD's `f` line describes it. Colours are linear, factors are in [0, 1].
+struct Material {
+  std::string name;                      ///< as in the file; empty where the format has no names
+  glm::vec3 color{1.0f};                 ///< linear RGB that modulates the diffuse term
+  float diffuse = 1.0f;                  ///< Kd
+  float specular = 0.0f;                 ///< Ks: highlight and reflection
+  float shine = 1.0f;                    ///< Blinn-Phong exponent
+  float transmittance = 0.0f;            ///< T
+  float refraction_index = 1.0f;         ///< relative to the outside; 0 in some SPD files means opaque
+  std::uint32_t diffuse_texture = kNone; ///< index into Scene::textures; modulates Kd
+  std::uint32_t bump_texture = kNone;    ///< index into Scene::textures; a height map (Blinn 1978)
+};
+
+/// An image in memory, row 0 at the top, linear values.
+struct Texture {
+  std::string path;           ///< where it was read from
+  int width = 0, height = 0;  ///< texels
+  std::vector<glm::vec3> texels;  ///< width * height, row by row
+};
+
+/// Three indices into Scene::positions, and optionally into normals and texcoords.
+struct Triangle {
+  std::array<std::uint32_t, 3> position{};
+  std::array<std::uint32_t, 3> normal{kNone, kNone, kNone};    ///< all absent or all present
+  std::array<std::uint32_t, 3> texcoord{kNone, kNone, kNone};  ///< all absent or all present
+  std::uint32_t material = 0;
+};
+
+struct Sphere {
+  glm::vec3 center{0.0f};
+  float radius = 1.0f;  ///< > 0
+  std::uint32_t material = 0;
+};
+
+struct Light {
+  glm::vec3 position{0.0f};
+  glm::vec3 color{0.0f};    ///< linear RGB intensity; meaningful only where has_color
+  bool has_color = false;   ///< without one the intensity is sqrt(n)/(2n) for n lights (NFF)
+};
+
+/// A pinhole camera as NFF's `v` describes it. `angle_radians` spans the centres of the outermost pixel rows.
+struct Camera {
+  glm::vec3 from{0.0f, 0.0f, 1.0f};
+  glm::vec3 at{0.0f};
+  glm::vec3 up{0.0f, 1.0f, 0.0f};  ///< need not be perpendicular to the view, nor of unit length
+  float angle_radians = 0.7853982f;
+  float hither = 0.0f;
+  int width = 512, height = 512;  ///< pixels
+};
+
+/// What a reader found in its file, before polygons, cones and cylinders became triangles.
+struct SourceCounts {
+  std::size_t polygons = 0;   ///< `p`, or OBJ faces without vertex normals
+  std::size_t patches = 0;    ///< `pp`, or OBJ faces with vertex normals
+  std::size_t spheres = 0;
+  std::size_t cones = 0;      ///< `c` with two radii that differ
+  std::size_t cylinders = 0;  ///< `c` with equal radii
+  std::size_t total() const { return polygons + patches + spheres + cones + cylinders; }
+};
+
+/// Primitives are numbered triangles first, then spheres: primitive p is triangles[p] where p < triangles.size(), else
+/// spheres[p - triangles.size()].
+struct Scene {
+  std::string name;  ///< short, for case names: the file's stem or the generator's name
+  std::vector<glm::vec3> positions;
+  std::vector<glm::vec3> normals;    ///< as in the file: not always of unit length
+  std::vector<glm::vec2> texcoords;
+  std::vector<Triangle> triangles;
+  std::vector<Sphere> spheres;
+  std::vector<Material> materials;  ///< at least one where there are primitives
+  std::vector<Texture> textures;
+  std::vector<Light> lights;
+  Camera camera;
+  bool has_camera = false;  ///< false: `camera` is a view chosen to frame the scene (frame_camera)
+  glm::vec3 background{0.0f};
+  SourceCounts source;
+  std::vector<std::string> warnings;  ///< "file:line: what was done and why", for the user to read
+
+  std::uint32_t primitive_count() const { return static_cast<std::uint32_t>(triangles.size() + spheres.size()); }
+  bool is_triangle(std::uint32_t primitive) const { return primitive < triangles.size(); }
+  const Sphere& sphere(std::uint32_t primitive) const { return spheres[primitive - triangles.size()]; }
+  /// The three corners of triangle `primitive`, world space.
+  std::array<glm::vec3, 3> corners(std::uint32_t primitive) const {
+    const auto& p = triangles[primitive].position;
+    return {positions[p[0]], positions[p[1]], positions[p[2]]};
+  }
+};
+
+/// A ball around everything in the scene; radius 0 for an empty scene. In double, rounded outwards.
+struct Ball {
+  glm::dvec3 center{0.0};
+  double radius = 0.0;
+};
+Ball bounding_ball(const Scene& scene);
+
+/// Sets `camera` so that the bounding ball fills a 512x512 frame, seen from (1, 0.6, 1.2) at 40 degrees.
+void frame_camera(Scene& scene);
+
+}  // namespace plumbline

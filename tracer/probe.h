@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+// The probe: takes rays from a texture, walks the geometry image in the production shader, and writes hits.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "scenes/ray.h"
+#include "tracer/gl_context.h"
+#include "tracer/geometry_image.h"
+
+namespace plumbline {
+
+enum class Traversal {
+  tree,         ///< the production traversal
+  brute_force,  ///< a loop over all primitives of the image that uses the production's own primitive functions
+};
+
+class Probe {
+ public:
+  /// Compiles the shader for the image's layout and uploads the image. Throws EnvironmentError where the driver refuses it,
+  /// naming our GLSL file and line.
+  Probe(GlContext& context, const GeometryImage& image, Traversal traversal = Traversal::tree);
+  ~Probe();
+  Probe(Probe&&) noexcept;
+  Probe& operator=(Probe&&) noexcept;
+
+  /// Traces every ray; any number of them, cut into batches inside. hits is as long as rays. Hits are the shader's bits.
+  void trace(std::span<const Ray> rays, std::span<Hit> hits);
+
+  /// Replaces the geometry image by one of the same layout, bounds and links without compiling again.
+  void set_image(const GeometryImage& image);
+
+  /// Seconds spent in the driver by the last trace(): drawing until the results were there, without upload and unpacking.
+  double draw_seconds() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace plumbline
