@@ -36,7 +36,8 @@ class Random {
   double uniform(double low, double high) { return low + (high - low) * uniform(); }
   /// Uniform in [0, n), n > 0; the bias is below n / 2^64.
   std::uint32_t below(std::uint32_t n) {
-    return static_cast<std::uint32_t>((static_cast<unsigned __int128>(bits()) * n) >> 64);
+    const std::uint64_t x = bits(), low = (x & 0xffffffffu) * n, high = (x >> 32) * n;  // x * n in two halves
+    return static_cast<std::uint32_t>((high + (low >> 32)) >> 32);
   }
   /// Uniform on the unit sphere (Archimedes: z is uniform).
   glm::dvec3 direction() {
