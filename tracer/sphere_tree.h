@@ -38,16 +38,37 @@ struct SphereTree {
   TreeOptions options;
 };
 
-/// Builds the tree of all primitives of positive extent. Time O(n log n).
-/// Throws InputError for options out of range.
-SphereTree build_sphere_tree(const Scene& scene, const TreeOptions& options = {});
+/// Builds the tree of all primitives of positive extent (a sphere of radius above 0, a triangle whose area is not
+/// exactly 0). Time O(n log n). `threads` 0: one per core; their number does not change the tree, bit for bit. Throws
+/// InputError for options out of range, and for coordinates that are not finite or whose bounds have no float.
+SphereTree build_sphere_tree(const Scene& scene, const TreeOptions& options = {}, int threads = 0);
 
-/// The expected number of spheres and primitives that a random line through the root's ball meets (the sum of squared
-/// radius ratios): the cost that the builder minimises.
+/// The cost model, in units of one sphere test. A random line that meets a ball of radius R meets one of radius r
+/// inside it with probability r^2 / R^2, so a tree costs the sum over
+///   all nodes but the root: (radius of the parent)^2 * kStepCost, for they are tested when the parent is hit, and
+///   all leaves: radius^2 * (kLeafCost + n * kPrimitiveCost), for entering it and testing its n primitives.
+inline constexpr double kStepCost = 1.0;
+inline constexpr double kLeafCost = 1.0;
+inline constexpr double kPrimitiveCost = 1.0;
+/// Wider nodes are never built: the cost model has no use for them.
+inline constexpr int kMaxTreeWidth = 16;
+
+/// The expected number of things that a random line through the root's ball meets: what the builder minimises.
 struct TreeCost {
-  double sphere_tests = 0.0;
+  double sphere_tests = 0.0;  ///< the root's own test included
+  double leaves = 0.0;        ///< leaves whose sphere is hit
   double primitive_tests = 0.0;
+  double total() const { return kStepCost * sphere_tests + kLeafCost * leaves + kPrimitiveCost * primitive_tests; }
 };
 TreeCost expected_cost(const SphereTree& tree);
+
+/// The tree's shape in numbers.
+struct TreeStats {
+  std::size_t nodes = 0, leaves = 0, references = 0;
+  int depth = 0;                        ///< nodes on the longest way from the root to a leaf; 0: empty
+  std::vector<std::size_t> widths;      ///< widths[k]: inner nodes with k children
+  std::vector<std::size_t> leaf_sizes;  ///< leaf_sizes[n]: leaves with n references
+};
+TreeStats tree_stats(const SphereTree& tree);
 
 }  // namespace plumbline
