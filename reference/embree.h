@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The reference's hits: Embree finds the primitive, double precision gives the values. The only file that names Embree is
-// embree.cpp.
+// The reference's hits: Embree finds the primitive, double precision gives the values. The only file that names Embree
+// is embree.cpp.
 #pragma once
 
 #include <cstdint>
@@ -26,11 +26,12 @@ class EmbreeScene {
   EmbreeScene& operator=(EmbreeScene&&) noexcept;
 
   /// The nearest hit of each ray, on all cores (TBB). `hits` is as long as `rays`.
-  /// A ray that starts more than two scene radii outside the scene is moved to it in double precision before Embree sees
-  /// it, for Embree computes in 32 bits; values are computed in double from the ray as given.
+  /// A ray that starts more than two scene radii outside the scene is moved to it in double precision before Embree
+  /// sees it, for Embree computes in 32 bits; values are computed in double from the ray as given.
   void intersect(std::span<const Ray> rays, std::span<ReferenceHit> hits) const;
 
-  /// rtcIntersect1 on each ray as given and nothing else, on all cores: what the benchmark times. Returns the number of hits.
+  /// rtcIntersect1 on each ray as given and nothing else, on all cores: what the benchmark times. Returns the number of
+  /// hits.
   std::size_t intersect_only(std::span<const Ray> rays) const;
 
   static std::string version();  ///< "Embree 3.13.5"
