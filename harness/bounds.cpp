@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The derivation, for u = 2^-24 (rounding to nearest: each operation has a relative error of at most u). Lengths are in world
+// units. Coordinates x, y, z are those of the tracer's triangle test: z along the largest component of d, x and y sheared along
+// the ray onto the plane z = 0 ("as seen along the ray"), so a point of the ray has x = y = 0.
+//
+// Triangle. A = v - o has error u|A| per component. x = A.x - Sx A.z with Sx = d.x / d.z, |Sx| <= 1: A.x brings u|A.x|; the product
+// 3u|A.z| (A.z, Sx, the product itself); the difference u|x| <= u(|A.x| + |A.z|). The displacement of a corner as seen along the ray is
+// thus at most u sqrt((2|A.x| + 4|A.z|)^2 + (2|A.y| + 4|A.z|)^2) <= 6u|A|. Where the tracer first moved the origin near the scene, that
+// origin has an error of 2u|o'| per component, seen along the ray at most 7u|o'|. With M = max |A|:
+//     delta = 6uM (+ 7uM where moved)
+// The test decides by the signs of the edge functions of the displaced corners. Each is a difference of two rounded products; rounding
+// is monotone, so a sign is never wrong, only possibly zero, and zero counts as inside. It is zero only for |U| <= 2uL^2, L the largest |(x, y)|
+// of a corner, that is for rays within 2uL^2/|e| of the line of edge e. Where |det| < 2^-8 L^2 the tracer uses exact products; there |e| is
+// the only free quantity, elsewhere |det| <= 2|e|L gives |e| >= 2^-9 L. Hence, perpendicular distances being no longer than sheared ones,
+//     lateral = delta + 2uL^2 / max(|e|, 2^-9 L) + 16uL      (the last term: slivers of |det| < 8uL^2 are taken for their longest edge)
+//
+// Weights. w_i = U_i / det. Displacement changes U_i by at most delta P + delta^2 (P the perimeter as seen along the ray: the ray passes within
+// the triangle, so a corner is no further than P/2 from it), rounding by 3uL^2. With E = delta P + delta^2 + 3uL^2 and det the sum of the three,
+//     dw = 4E / (|det| - 3E) + 4u, and at most 1, since computed and exact weights both lie in [0, 1].
+// t = (sum w_i z_i) / d.z. The errors of the weights add up to a few u, so z may be measured from any z of the triangle:
+//     dz = 3 dw (zmax - zmin) + 10u max|z|, and at most zmax - zmin + 10u max|z|;  dt = dz / |d.z| + 4u|t|
+// position = sum w_i v_i:   3 dw (longest edge), at most the longest edge, + 6u max|v| sqrt(3), + 2u M for the origin's rounding.
+// normal = normalise(e1 x e2), corners as given: each component of the cross product has an error of at most 4u|e1||e2|:
+//     dn = 8u |e1||e2| / |e1 x e2| + 4u, at most 2.
+//
+// Sphere. m = c - o has error uM, M = |m|. tb = m.d / d.d has an error of 10uM along the ray (dot products of three terms and a quotient).
+// f = m - tb d: the error of tb moves f along the ray, to which f is perpendicular: of second order; rounding brings 4uM across. So |f| is off by
+// at most 4uM + (12uM)^2 / |f|, and r^2 - f.f by D = 2|f| 4uM + (14uM)^2 + 4u f^2 + 3u r^2. h = sqrt(r^2 - f.f) is off by at most
+// min(D / h, sqrt D) + 2uh.  dt |d| = 12uM + that + 4u|t d|;  position: that + 4uM + 2u|p|;  normal = (p - c) / r: dp / r + 4u.
+// lateral: |f| is compared with r:  D / r, and 4uM + sqrt... is not needed, for r + |f| >= r:  |r - |f|| <= D / (r + |f|) <= D / r.
+#include "harness/bounds.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace plumbline {
+namespace {
+
+constexpr double u = 0x1p-24;
+/// What gradual underflow, flushed to zero, may take from one product of scaled coordinates: relative to the scene's radius squared.
+constexpr double kUnderflow = 0x1p-80;
+
+/// The tracer moves an origin that is farther than this many radii from the ball's centre.
+constexpr double kNear = 2.0;
+
+bool is_moved(const BoundsContext& c, const Ray& ray) {
+  return !(glm::length(glm::dvec3(ray.origin) - c.ball.center) <= kNear * c.ball.radius);
+}
+
+/// A triangle as the tracer sees it along the ray, in double.
+struct Seen {
+  std::array<double, 3> x{}, y{}, z{};
+  double inverse_dz = 0.0;   ///< 1 / largest component of d
+  double reach = 0.0;        ///< M: largest distance of a corner from the (moved) origin
+  double extent = 0.0;       ///< L
+  double perimeter = 0.0;    ///< P
+  double shortest = 0.0;     ///< shortest edge as seen
+  double det = 0.0;          ///< |U + V + W|
+  double z_range = 0.0, z_max = 0.0;
+  double delta = 0.0;
+};
+
+Seen see(const BoundsContext& c, const Ray& ray, std::uint32_t primitive) {
+  Seen s;
+  const glm::dvec3 d(ray.direction);
+  int kz = 0;
+  if (std::abs(d.y) > std::abs(d[kz])) kz = 1;
+  if (std::abs(d.z) > std::abs(d[kz])) kz = 2;
+  const int kx = (kz + 1) % 3, ky = (kz + 2) % 3;
+  s.inverse_dz = 1.0 / d[kz];
+  const double sx = d[kx] * s.inverse_dz, sy = d[ky] * s.inverse_dz;
+  const auto corners = c.scene->corners(primitive);
+  const bool moved = is_moved(c, ray);
+  double z_min = 0.0, z_top = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    const glm::dvec3 a = glm::dvec3(corners[i]) - glm::dvec3(ray.origin);
+    s.x[i] = a[kx] - sx * a[kz];
+    s.y[i] = a[ky] - sy * a[kz];
+    s.z[i] = a[kz];
+    s.reach = std::max(s.reach, glm::length(a));
+    s.extent = std::max(s.extent, std::hypot(s.x[i], s.y[i]));
+    z_min = i ? std::min(z_min, s.z[i]) : s.z[i];
+    z_top = i ? std::max(z_top, s.z[i]) : s.z[i];
+  }
+  if (moved) s.reach = std::min(s.reach, 4.0 * c.ball.radius);
+  s.z_range = z_top - z_min;
+  s.z_max = moved ? s.reach : std::max(std::abs(z_min), std::abs(z_top));
+  s.shortest = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3;
+    const double e = std::hypot(s.x[j] - s.x[i], s.y[j] - s.y[i]);
+    s.perimeter += e;
+    s.shortest = std::min(s.shortest, e);
+  }
+  s.det = std::abs((s.x[1] - s.x[0]) * (s.y[2] - s.y[0]) - (s.y[1] - s.y[0]) * (s.x[2] - s.x[0]));
+  s.delta = (moved ? 13.0 : 6.0) * u * s.reach;
+  return s;
+}
+
+double lateral_of(const Seen& s) {
+  return s.delta + 2.0 * u * s.extent * s.extent / std::max(s.shortest, 0x1p-9 * s.extent) + 16.0 * u * s.extent;
+}
+
+/// A sphere as the tracer sees it along the ray, in double.
+struct SeenSphere {
+  double reach = 0.0;   ///< M
+  double off = 0.0;     ///< |f|
+  double length = 0.0;  ///< |d|
+  double error = 0.0;   ///< D
+};
+
+SeenSphere see_sphere(const BoundsContext& c, const Ray& ray, const Sphere& sphere) {
+  SeenSphere s;
+  const glm::dvec3 d(ray.direction), m = glm::dvec3(sphere.center) - glm::dvec3(ray.origin);
+  s.length = glm::length(d);
+  const glm::dvec3 n = d / s.length;
+  s.off = glm::length(m - glm::dot(m, n) * n);
+  s.reach = glm::length(m);
+  double across = 4.0;
+  if (is_moved(c, ray)) {
+    s.reach = std::min(s.reach, 4.0 * c.ball.radius);
+    across += 4.0;  // the moved origin's own rounding
+  }
+  const double r = sphere.radius, lateral = across * u * s.reach;
+  s.error = 2.0 * s.off * lateral + std::pow((10.0 + across) * u * s.reach, 2) + 4.0 * u * s.off * s.off + 3.0 * u * r * r;
+  return s;
+}
+
+}  // namespace
+
+BoundsContext make_bounds_context(const Scene& scene) {
+  BoundsContext c{&scene, bounding_ball(scene)};
+  for (std::uint32_t p = 0; p < scene.triangles.size(); ++p) {
+    const auto v = scene.corners(p);
+    for (int i = 0; i < 3; ++i) c.longest_edge = std::max(c.longest_edge, glm::length(glm::dvec3(v[(i + 1) % 3]) - glm::dvec3(v[i])));
+  }
+  for (const Sphere& s : scene.spheres)
+    c.smallest_radius = c.smallest_radius > 0.0 ? std::min<double>(c.smallest_radius, s.radius) : s.radius;
+  return c;
+}
+
+ValueBounds value_bounds(const BoundsContext& c, const Ray& ray, std::uint32_t primitive, double t) {
+  ValueBounds b;
+  if (!c.scene->is_triangle(primitive)) {
+    const Sphere& sphere = c.scene->sphere(primitive);
+    const SeenSphere s = see_sphere(c, ray, sphere);
+    const double r = sphere.radius;
+    const double h = std::sqrt(std::max(0.0, r * r - s.off * s.off));
+    const double dh = (h > 0.0 ? std::min(s.error / h, std::sqrt(s.error)) : std::sqrt(s.error)) + 2.0 * u * h;
+    const double along = 12.0 * u * s.reach + dh;
+    const double largest = glm::length(glm::dvec3(sphere.center)) + r;
+    b.t = (along + 4.0 * u * std::abs(t) * s.length) / s.length;
+    b.position = along + 4.0 * u * s.reach + 2.0 * u * largest;
+    b.normal = std::min(2.0, b.position / r + 4.0 * u);
+    return b;
+  }
+  const Seen s = see(c, ray, primitive);
+  const auto v = c.scene->corners(primitive);
+  const glm::dvec3 e1 = glm::dvec3(v[1]) - glm::dvec3(v[0]), e2 = glm::dvec3(v[2]) - glm::dvec3(v[0]);
+  const double l1 = glm::length(e1), l2 = glm::length(e2), l3 = glm::length(e2 - e1);
+  const double longest = std::max({l1, l2, l3});
+  const double largest = std::max({glm::length(glm::dvec3(v[0])), glm::length(glm::dvec3(v[1])), glm::length(glm::dvec3(v[2]))});
+  const double moved_area = s.delta * s.perimeter + s.delta * s.delta + 3.0 * u * s.extent * s.extent + kUnderflow * c.ball.radius * c.ball.radius;
+  const double rest = s.det - 3.0 * moved_area;
+  const double dw = rest > 0.0 ? std::min(1.0, 4.0 * moved_area / rest + 4.0 * u) : 1.0;
+  b.barycentrics = dw;
+  const double dz = std::min(3.0 * dw, 1.0) * s.z_range + 10.0 * u * s.z_max;
+  b.t = dz * std::abs(s.inverse_dz) + 4.0 * u * std::abs(t);
+  b.position = std::min(3.0 * dw, 1.0) * longest + 12.0 * u * largest + 2.0 * u * s.reach;
+  const double cross = glm::length(glm::cross(e1, e2));
+  b.normal = cross > 0.0 ? std::min(2.0, 8.0 * u * l1 * l2 / cross + 4.0 * u) : 2.0;
+  return b;
+}
+
+double lateral_bound(const BoundsContext& c, const Ray& ray, std::uint32_t primitive) {
+  if (c.scene->is_triangle(primitive)) return lateral_of(see(c, ray, primitive));
+  const Sphere& sphere = c.scene->sphere(primitive);
+  return see_sphere(c, ray, sphere).error / sphere.radius;
+}
+
+double lateral_bound_of_scene(const BoundsContext& c, const Ray& ray) {
+  const double distance = glm::length(glm::dvec3(ray.origin) - c.ball.center) + c.ball.radius;
+  const double reach = std::min(distance, 4.0 * c.ball.radius);
+  // Triangles: as seen along the ray the extent is at most sqrt(3) times the longest edge and the bound; the term for zeros is at most 2^10 uL.
+  const double triangles = 13.0 * u * reach + (0x1p10 + 16.0) * u * 2.0 * c.longest_edge;
+  // Spheres: see_sphere with |f| about r.
+  const double spheres = c.smallest_radius > 0.0 ? 24.0 * u * reach + std::pow(18.0 * u * reach, 2) / c.smallest_radius : 0.0;
+  return std::max(triangles, spheres);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "harness/catalogue.h"
+
+#include <algorithm>
+
+#include "scenes/error.h"
+#include "scenes/random.h"
+
+namespace plumbline {
+namespace {
+
+/// Shell-like match of '*' and '?'.
+bool matches(std::string_view pattern, std::string_view name) {
+  std::size_t p = 0, n = 0, star = std::string_view::npos, mark = 0;
+  while (n < name.size()) {
+    if (p < pattern.size() && (pattern[p] == '?' || pattern[p] == name[n])) {
+      ++p, ++n;
+    } else if (p < pattern.size() && pattern[p] == '*') {
+      star = p++, mark = n;
+    } else if (star != std::string_view::npos) {
+      p = star + 1, n = ++mark;
+    } else {
+      return false;
+    }
+  }
+  while (p < pattern.size() && pattern[p] == '*') ++p;
+  return p == pattern.size();
+}
+
+bool selects(const std::string& pattern, const std::string& name) {
+  if (pattern.find_first_of("*?") != std::string::npos) return matches(pattern, name);
+  return name == pattern || (name.size() > pattern.size() && name.compare(0, pattern.size(), pattern) == 0 && name[pattern.size()] == '.');
+}
+
+}  // namespace
+
+std::vector<Case> make_catalogue(const CatalogueOptions& options) {
+  std::vector<Case> cases = driver_cases();
+  for (const ListedScene& scene : options.scenes) {
+    for (Case& c : hit_cases(scene, options.hits_rays)) cases.push_back(std::move(c));
+    cases.push_back(picture_case(scene));
+    if (scene.has_spheres) cases.push_back(embree_spheres_case(scene, options.hits_rays));
+    cases.push_back(brute_force_case(scene, options.brute_force_tests));
+    cases.push_back(variants_case(scene, options.variant_rays));
+    cases.push_back(bake_file_case(scene));
+  }
+  return cases;
+}
+
+std::uint64_t case_seed(std::uint64_t run_seed, const std::string& case_name) { return mix64(run_seed ^ name_hash(case_name)); }
+
+std::vector<Case> select_cases(const std::vector<Case>& cases, const std::vector<std::string>& patterns) {
+  if (patterns.empty()) return cases;
+  for (const std::string& pattern : patterns)
+    if (std::none_of(cases.begin(), cases.end(), [&](const Case& c) { return selects(pattern, c.name); }))
+      throw InputError("no case matches '" + pattern + "'; `plumbline list` names them all");
+  std::vector<Case> chosen;
+  std::copy_if(cases.begin(), cases.end(), std::back_inserter(chosen), [&](const Case& c) {
+    return std::any_of(patterns.begin(), patterns.end(), [&](const std::string& pattern) { return selects(pattern, c.name); });
+  });
+  return chosen;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "harness/command_line.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <ctime>
+#include <exception>
+#include <iostream>
+
+#include "harness/bench.h"
+#include "harness/catalogue.h"
+#include "harness/explain.h"
+#include "harness/faults.h"
+#include "harness/hit_cases.h"
+#include "harness/progress.h"
+#include "harness/run.h"
+#include "harness/version.h"
+#include "reports/files.h"
+#include "reports/html.h"
+#include "reports/journal.h"
+#include "reports/json.h"
+#include "scenes/error.h"
+#include "scenes/generate.h"
+
+namespace plumbline {
+namespace {
+
+constexpr std::uint64_t kNightlyRays = 21'000'000;
+
+/// "20m", "90s", "1h", "600" (seconds).
+double parse_duration(const std::string& text) {
+  std::size_t used = 0;
+  double value = 0.0;
+  try {
+    value = std::stod(text, &used);
+  } catch (const std::exception&) {
+    used = 0;
+  }
+  const std::string unit = text.substr(used);
+  const double scale = unit == "h" ? 3600.0 : unit == "m" ? 60.0 : unit == "s" || unit.empty() ? 1.0 : 0.0;
+  if (used == 0 || scale == 0.0 || !(value > 0.0 && value * scale < 1e7)) throw InputError("'" + text + "' is not a duration; write 90s, 20m or 2h");
+  return value * scale;
+}
+
+/// "2/5": the second of five.
+void parse_shard(const std::string& text, RunOptions& options) {
+  int used = 0;
+  if (std::sscanf(text.c_str(), "%d/%d%n", &options.shard, &options.shards, &used) != 2 || static_cast<std::size_t>(used) != text.size() || options.shard < 1 ||
+      options.shard > options.shards)
+    throw InputError("--shard takes I/N with 1 <= I <= N, such as 2/5; it is '" + text + "'");
+}
+
+/// The date as a number, so that every night has its own rays and anybody can ask for them again.
+std::uint64_t seed_of_today() {
+  const std::time_t now = std::time(nullptr);
+  std::tm d{};
+  gmtime_r(&now, &d);
+  return static_cast<std::uint64_t>(d.tm_year + 1900) * 10000 + static_cast<std::uint64_t>(d.tm_mon + 1) * 100 + static_cast<std::uint64_t>(d.tm_mday);
+}
+
+std::vector<ListedScene> every_scene() {
+  std::vector<ListedScene> scenes = own_scenes();
+  for (ListedScene& s : real_scenes()) scenes.push_back(std::move(s));
+  return scenes;
+}
+
+std::string joined(int argc, char** argv) {
+  std::string text = "./plumbline";
+  for (int i = 1; i < argc; ++i) text += " " + quoted(argv[i]);
+  return text;
+}
+
+/// What the subcommands share.
+struct Arguments {
+  std::vector<std::string> patterns;
+  std::string scene, shard, budget, ray, pixel, json, history, image;
+  std::string out = "out";
+  std::uint64_t seed = 1, rays = 0;
+  bool resume = false, quick = false;
+  int rounds = 7;
+};
+
+/// The catalogue over `scenes` with `rays` per family and scene, or as many as make `total` in all.
+CatalogueOptions catalogue_options(std::vector<ListedScene> scenes, std::uint64_t rays, std::uint64_t total) {
+  CatalogueOptions options;
+  options.scenes = std::move(scenes);
+  if (rays == 0 && total > 0) rays = total / (options.scenes.size() * ray_families().size()) + 1;
+  if (rays > 0) options.hits_rays = rays;
+  return options;
+}
+
+int list_cases(const Arguments& a) {
+  for (const Case& c : select_cases(make_catalogue(catalogue_options(every_scene(), a.rays, 0)), a.patterns))
+    std::printf("%-44s %-10s %s\n", c.name.c_str(), c.feature.c_str(), c.proves.c_str());
+  return 0;
+}
+
+int run(const Arguments& a, RunOptions options, const CatalogueOptions& catalogue) {
+  if (!a.shard.empty()) parse_shard(a.shard, options);
+  if (!a.budget.empty()) options.budget_seconds = parse_duration(a.budget);
+  options.seed = a.seed;
+  options.out = a.out;
+  options.resume = a.resume;
+  if (a.history != "none") options.history = a.history;
+  return exit_status(run_cases(select_cases(make_catalogue(catalogue), a.patterns), options));
+}
+
+int check(const Arguments& a, const RunOptions& options) {
+  Arguments arguments = a;
+  arguments.history = "none";
+  const Scene scene = load_scene(a.scene);
+  for (const std::string& warning : scene.warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
+  if (scene.primitive_count() == 0) throw InputError(a.scene + ": nothing to trace in this scene");
+  const ListedScene listed{scene.name, a.scene, false, !scene.spheres.empty()};
+  return run(arguments, options, catalogue_options({listed}, a.rays ? a.rays : 1 << 16, 0));
+}
+
+int explain_ray(const Arguments& a) {
+  Session session;
+  Scene scene = load_scene(a.scene);
+  if (scene.primitive_count() == 0) throw InputError(a.scene + ": nothing to trace in this scene");
+  const Ray ray = a.ray.empty() ? pixel_ray(scene, a.pixel) : parse_ray(a.ray);
+  const Stage& stage = session.stage(a.scene, std::move(scene));
+  const Explanation e = explain(session, stage, ray);
+  std::fputs(e.text.c_str(), stdout);
+  return is_failure(e.judgement.verdict) ? 1 : 0;
+}
+
+int bake_scene(const Arguments& a) {
+  const Scene scene = load_scene(a.scene);
+  for (const std::string& warning : scene.warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
+  const GeometryImage image = bake(scene, BakeOptions{});
+  write_geometry_image(image, a.image);
+  std::printf("%s: %d x %d texels, %u cells, %u primitives\n", a.image.c_str(), image.width, image.height, image.cell_count, scene.primitive_count());
+  return 0;
+}
+
+int bench(const Arguments& a) {
+  BenchOptions options;
+  options.rounds = a.rounds;
+  if (a.quick) options.variants = options.large = false;
+  Progress progress;
+  options.progress = [&](double share, const std::string& what) { progress.show(share, what); };
+  const std::vector<Metric> metrics = run_bench(options);
+  progress.clear();
+  std::fputs(bench_table(metrics).c_str(), stdout);
+  if (!a.json.empty()) write_text(a.json, bench_json(metrics));
+  return 0;
+}
+
+int faults() {
+  Progress progress;
+  const std::vector<FaultResult> results = run_faults([&](double share, const std::string& what) { progress.show(share, what); });
+  progress.clear();
+  bool all = true;
+  for (const FaultResult& r : results) {
+    std::printf("%-28s %-8s %s\n", r.name.c_str(), r.caught_by.empty() ? "MISSED" : "caught", r.caught_by.empty() ? r.what.c_str() : r.caught_by.c_str());
+    all = all && !r.caught_by.empty();
+  }
+  return all ? 0 : 1;
+}
+
+int report(const Arguments& a) {
+  RunRecord record;
+  const std::filesystem::path folder = a.out;
+  if (std::filesystem::exists(folder / "results.json")) record = read_results(folder / "results.json");
+  else record = read_journal(folder);
+  write_report(record, folder);
+  std::printf("Report: %s\n", (folder / "index.html").string().c_str());
+  return 0;
+}
+
+int dispatch(int argc, char** argv) {
+  Arguments a;
+  CLI::App app{"Plumbline tells whether a GPU ray tracer is right: hit by hit against Embree, with exact arithmetic to settle every difference.", "plumbline"};
+  app.set_version_flag("--version", "plumbline " + version() + " (" + commit() + ")");
+  app.require_subcommand(1);
+  app.footer("Exit status: 0 all passed, 1 a case failed, 2 wrong usage or input, 3 wrong environment.\n"
+             "A SCENE is a file (.nff, .obj) or a generator such as sphereflake:4.");
+  const auto add_run_options = [&](CLI::App* sub) {
+    sub->add_option("--out", a.out, "Folder for the report")->capture_default_str();
+    sub->add_option("--rays", a.rays, "Rays for each family and scene")->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40));
+    sub->add_flag("--resume", a.resume, "Go on with the run in --out: cases that ended there are not run again");
+    sub->add_option("--shard", a.shard, "I/N: run the I-th of N parts of the catalogue");
+    sub->add_option("--history", a.history, "Database of earlier runs, or `none`");
+  };
+
+  CLI::App* nightly = app.add_subcommand("nightly", "Run everything, over 20 million rays, and write the report");
+  add_run_options(nightly);
+  auto* nightly_seed = nightly->add_option("--seed", a.seed, "Seed of all rays; the date if not given");
+  nightly->add_option("--budget", a.budget, "Begin no case after this time, such as 20m; what is left out is said");
+
+  CLI::App* list = app.add_subcommand("list", "List cases and what each proves");
+  list->add_option("PATTERN", a.patterns, "Names, prefixes or patterns with * and ?");
+
+  CLI::App* run_sub = app.add_subcommand("run", "Run cases, such as `run hits.camera` or `run '*.creature'`");
+  run_sub->add_option("PATTERN", a.patterns, "Names, prefixes or patterns with * and ?; all cases if none");
+  run_sub->add_option("--seed", a.seed, "Seed of all rays; the same seed repeats a run bit for bit")->capture_default_str();
+  run_sub->add_option("--budget", a.budget, "Begin no case after this time, such as 5m; what is left out is said");
+  add_run_options(run_sub);
+
+  CLI::App* check_sub = app.add_subcommand("check", "Examine your own scene: every ray family, every variant, brute force");
+  check_sub->add_option("SCENE", a.scene, "Scene file or generator")->required();
+  check_sub->add_option("--seed", a.seed, "Seed of all rays")->capture_default_str();
+  add_run_options(check_sub);
+
+  CLI::App* explain_sub = app.add_subcommand("explain", "Tell of one ray what both tracers and exact arithmetic answer");
+  explain_sub->add_option("SCENE", a.scene, "Scene file or generator")->required();
+  auto* ray_option = explain_sub->add_option("--ray", a.ray, "OX,OY,OZ,DX,DY,DZ[,TMAX]; decimal or hex floats; write --ray=... where it begins with a minus");
+  explain_sub->add_option("--pixel", a.pixel, "X,Y: the ray through the centre of a pixel; 0,0 is the top left")->excludes(ray_option);
+
+  CLI::App* bake_sub = app.add_subcommand("bake", "Write a scene's geometry image as OpenEXR");
+  bake_sub->add_option("SCENE", a.scene, "Scene file or generator")->required();
+  bake_sub->add_option("-o,--output", a.image, "TREE.exr")->required();
+
+  CLI::App* bench_sub = app.add_subcommand("bench", "Measure speed against Embree, bakes and variants");
+  bench_sub->add_option("--json", a.json, "Write the metrics to this file too");
+  bench_sub->add_option("--rounds", a.rounds, "Rounds of each measurement, interleaved")->check(CLI::Range(1, 1000))->capture_default_str();
+  bench_sub->add_flag("--quick", a.quick, "Leave out the variants and the scene of a million triangles");
+
+  CLI::App* faults_sub = app.add_subcommand("faults", "Break the tracer on purpose, one fault at a time, and name what catches it");
+  CLI::App* report_sub = app.add_subcommand("report", "Write the report of a run again from its record");
+  report_sub->add_option("DIR", a.out, "The run's folder")->required();
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const int code = app.exit(error);
+    return code == 0 ? 0 : 2;
+  }
+  RunOptions options;
+  options.command = joined(argc, argv);
+  if (a.history.empty()) a.history = (std::filesystem::path(a.out).parent_path() / "plumbline-history.sqlite").string();
+  if (*nightly) {
+    if (nightly_seed->count() == 0) a.seed = seed_of_today();
+    return run(a, options, catalogue_options(every_scene(), a.rays, kNightlyRays));
+  }
+  if (*list) return list_cases(a);
+  if (*run_sub) {
+    if (run_sub->get_option("--history")->count() == 0) a.history = "none";
+    return run(a, options, catalogue_options(every_scene(), a.rays, 0));
+  }
+  if (*check_sub) return check(a, options);
+  if (*explain_sub) {
+    if (a.ray.empty() && a.pixel.empty()) throw InputError("explain needs --ray or --pixel; see `plumbline explain --help`");
+    return explain_ray(a);
+  }
+  if (*bake_sub) return bake_scene(a);
+  if (*bench_sub) return bench(a);
+  if (*faults_sub) return faults();
+  return report(a);
+}
+
+}  // namespace
+
+int run_command_line(int argc, char** argv) {
+  try {
+    return dispatch(argc, argv);
+  } catch (const InputError& error) {
+    std::fprintf(stderr, "plumbline: %s\n", error.what());
+    return 2;
+  } catch (const EnvironmentError& error) {
+    std::fprintf(stderr, "plumbline: %s\n", error.what());
+    return 3;
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "plumbline: out of memory\n");
+    return 3;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "plumbline: unexpected: %s\n", error.what());
+    return 3;
+  }
+}
+
+}  // namespace plumbline

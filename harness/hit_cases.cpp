@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The cases `hits.*`: the same rays through the production tracer and through Embree, every one of them with a verdict.
+#include "harness/hit_cases.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "harness/catalogue.h"
+#include "scenes/error.h"
+
+namespace plumbline {
+namespace {
+
+constexpr std::size_t kBatch = std::size_t{1} << 17;
+/// One agreeing ray in this many is arbitrated all the same, so that both being wrong together is seen.
+constexpr std::uint32_t kSampleOneIn = 1024;
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// The families whose rays are random lines that know nothing of the tracer's rounding; the others are aimed at it.
+bool is_random_family(RayFamily family) { return family == RayFamily::camera || family == RayFamily::chords || family == RayFamily::inside; }
+
+}  // namespace
+
+void generate_rays_parallel(const RaySource& source, RayFamily family, std::uint64_t seed, std::uint64_t first, std::span<Ray> rays) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rays.size(), 4096), [&](const tbb::blocked_range<std::size_t>& r) {
+    generate_rays(source, family, seed, first + r.begin(), rays.subspan(r.begin(), r.size()));
+  });
+}
+
+void trace_and_judge(const Stage& stage, Probe& probe, const EmbreeScene& embree, std::span<const Ray> rays, std::uint64_t first_index, std::uint64_t seed,
+                     TraceBuffers& buffers, Tally& tally) {
+  buffers.tracer.resize(rays.size());
+  buffers.reference.resize(rays.size());
+  probe.trace(rays, buffers.tracer);
+  buffers.trace_seconds += probe.draw_seconds();
+  const auto start = std::chrono::steady_clock::now();
+  embree.intersect(rays, buffers.reference);
+  buffers.trace_seconds += seconds_since(start);
+  judge_batch(stage.judge, rays, buffers.tracer, buffers.reference, first_index, seed, kSampleOneIn, tally);
+}
+
+void name_layers(Session& session, const Stage& stage, Tally& tally) {
+  std::vector<JudgedRay*> failing;
+  for (JudgedRay& kept : tally.kept)
+    if (is_failure(kept.judgement.verdict)) failing.push_back(&kept);
+  if (failing.empty()) return;
+  std::vector<Ray> rays;
+  for (const JudgedRay* f : failing) rays.push_back(f->ray);
+  std::vector<Hit> hits(rays.size());
+  session.brute_force(stage).trace(rays, hits);
+  for (std::size_t i = 0; i < failing.size(); ++i) {
+    JudgedRay& f = *failing[i];
+    const bool same = hits[i].kind == f.tracer.kind && hits[i].primitive == f.tracer.primitive;
+    f.judgement.reason += same ? " Brute force over all primitives answers the same: the arithmetic lost it."
+                               : " Brute force over all primitives answers " + describe(hits[i]) + ": the tree lost it.";
+  }
+}
+
+std::string ray_argument(const Ray& ray) { return hex_vector(ray.origin) + "," + hex_vector(ray.direction) + "," + hex_float(ray.t_max); }
+
+std::string quoted(const std::string& argument) {
+  if (argument.find_first_of(" '\"$`\\&;()<>|*?#~") == std::string::npos && !argument.empty()) return argument;
+  std::string text = "'";
+  for (const char c : argument) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return text + "'";
+}
+
+void record_tally(const Tally& tally, const std::string& spec, CaseRecord& record) {
+  record.rays = tally.rays();
+  for (const Verdict v : kVerdicts) record.verdicts[std::string(verdict_name(v))] = tally[v];
+  record.max_margin_ratio = tally.max_margin_ratio;
+  for (const JudgedRay& kept : tally.kept) {
+    RayRecord r;
+    r.verdict = verdict_name(kept.judgement.verdict);
+    r.index = kept.index;
+    r.origin = hex_vector(kept.ray.origin);
+    r.direction = hex_vector(kept.ray.direction);
+    r.t_max = hex_float(kept.ray.t_max);
+    r.tracer = describe(kept.tracer);
+    r.reference = describe(kept.reference);
+    r.exact = kept.judgement.exact;
+    r.reason = kept.judgement.reason;
+    r.margin = kept.judgement.margin;
+    r.bound = kept.judgement.bound;
+    r.replay = "./plumbline explain " + quoted(spec) + " --ray=" + ray_argument(kept.ray);
+    record.worst.push_back(std::move(r));
+  }
+  record.figures.push_back({"arbitrated", "rays", static_cast<double>(tally.arbitrated)});
+  record.figures.push_back({"agreeing rays arbitrated as a sample", "rays", static_cast<double>(tally.sampled)});
+}
+
+std::uint64_t grazing_budget(const Stage& stage, RayFamily family, std::uint64_t rays) {
+  // A random line of the ball of radius R passes within w of a segment of length l with probability (pi/4) 2wl / (pi R^2) = wl / 2R^2, and within w of
+  // a sphere's outline of radius r with probability 2 pi r 2w / (pi R^2) = 4rw / R^2. Summed over the scene: p rays per ray. Camera rays are
+  // no random lines, hence a factor of 16; six standard deviations and 16 rays are for chance in small samples. A tracer that is wrong near
+  // edges by ten times its bound is not grazing but wrong; this budget catches one whose rounding is worse than its formulas allow.
+  if (!is_random_family(family)) return rays;
+  const double radius = stage.judge.bounds.ball.radius;
+  double sum = 0.0;
+  for (std::uint32_t p = 0; p < stage.scene.triangles.size(); ++p) {
+    const auto v = stage.scene.corners(p);
+    for (int i = 0; i < 3; ++i) sum += glm::length(glm::dvec3(v[(i + 1) % 3]) - glm::dvec3(v[i])) / (4.0 * radius * radius);  // each edge twice
+  }
+  for (const Sphere& s : stage.scene.spheres) sum += 4.0 * s.radius / (radius * radius);
+  const Ray typical{glm::vec3(stage.judge.bounds.ball.center + glm::dvec3(2.0 * radius, 0.0, 0.0)), {-1.0f, 0.0f, 0.0f}};
+  BoundsContext width = stage.judge.bounds;
+  width.longest_edge = std::min(width.longest_edge, radius / 64.0);
+  const double expected = 16.0 * sum * lateral_bound_of_scene(width, typical) * static_cast<double>(rays);
+  return static_cast<std::uint64_t>(expected + 6.0 * std::sqrt(expected) + 16.0);
+}
+
+void conclude(const Tally& tally, std::uint64_t budget, CaseRecord& record) {
+  std::string message;
+  const auto complain = [&](const std::string& text) {
+    record.status = CaseStatus::failed;
+    message += (message.empty() ? "" : "; ") + text;
+  };
+  for (const Verdict v : {Verdict::tracer_wrong, Verdict::leak, Verdict::capped})
+    if (tally[v] > 0) complain(std::to_string(tally[v]) + " of " + std::to_string(tally.rays()) + " rays: " + std::string(verdict_name(v)));
+  if (tally[Verdict::grazing] > budget)
+    complain(std::to_string(tally[Verdict::grazing]) + " rays grazing, over the budget of " + std::to_string(budget));
+  record.message = message;
+}
+
+std::vector<Case> hit_cases(const ListedScene& scene, std::uint64_t rays) {
+  std::vector<Case> cases;
+  for (const RayFamilyInfo& family : ray_families()) {
+    Case c;
+    c.name = "hits." + std::string(family.name) + "." + scene.name;
+    c.feature = "hits";
+    c.scene = scene.name;
+    c.spec = scene.spec;
+    c.family = family.name;
+    c.paper = "4";
+    c.proves = "Every ray of the family hits what exact arithmetic says: " + std::string(family.description);
+    c.rays = rays;
+    c.run = [id = family.family](CaseContext& context, const Case& self, CaseRecord& record) {
+      Stage& stage = context.session.stage(self.spec);
+      if (stage.scene.primitive_count() == 0) {
+        record.status = CaseStatus::skipped;
+        record.message = "the scene has no primitives";
+        return;
+      }
+      Probe& probe = context.session.probe(stage);
+      const std::uint64_t seed = case_seed(context.seed, self.name);
+      Tally tally;
+      TraceBuffers buffers;
+      std::vector<Ray> batch;
+      for (std::uint64_t first = 0; first < self.rays; first += kBatch) {
+        batch.resize(std::min<std::uint64_t>(kBatch, self.rays - first));
+        generate_rays_parallel(stage.rays, id, seed, first, batch);
+        trace_and_judge(stage, probe, stage.embree, batch, first, seed, buffers, tally);
+        context.progress(static_cast<double>(first + batch.size()) / static_cast<double>(self.rays));
+      }
+      PLUMBLINE_ASSERT(tally.rays() == self.rays);
+      name_layers(context.session, stage, tally);
+      record.trace_seconds = buffers.trace_seconds;
+      record_tally(tally, self.spec, record);
+      conclude(tally, grazing_budget(stage, id, self.rays), record);
+    };
+    cases.push_back(std::move(c));
+  }
+  return cases;
+}
+
+Case embree_spheres_case(const ListedScene& scene, std::uint64_t rays) {
+  Case c;
+  c.name = "reference.embree_spheres." + scene.name;
+  c.feature = "reference";
+  c.scene = scene.name;
+  c.spec = scene.spec;
+  c.family = "chords";
+  c.proves = "The reference's spheres, intersected in double precision, and Embree's own sphere primitive agree, or exact arithmetic says that Embree erred.";
+  c.rays = rays;
+  c.run = [](CaseContext& context, const Case& self, CaseRecord& record) {
+    Stage& stage = context.session.stage(self.spec);
+    if (stage.scene.spheres.empty()) {
+      record.status = CaseStatus::skipped;
+      record.message = "the scene has no spheres";
+      return;
+    }
+    const EmbreeScene other(stage.scene, SphereMode::embree);
+    const std::uint64_t seed = case_seed(context.seed, self.name);
+    Tally tally;
+    TraceBuffers buffers;
+    std::vector<Ray> batch(self.rays);
+    generate_rays_parallel(stage.rays, RayFamily::chords, seed, 0, batch);
+    trace_and_judge(stage, context.session.probe(stage), other, batch, 0, seed, buffers, tally);
+    record.trace_seconds = buffers.trace_seconds;
+    record_tally(tally, self.spec, record);
+    conclude(tally, self.rays, record);
+  };
+  return c;
+}
+
+}  // namespace plumbline

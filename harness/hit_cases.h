@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the cases that compare rays share: tracing on both sides, judging, and writing the outcome into a record.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "harness/session.h"
+#include "reports/record.h"
+
+namespace plumbline {
+
+/// Answers of one batch, kept between batches so that memory is allocated once.
+struct TraceBuffers {
+  std::vector<Hit> tracer;
+  std::vector<ReferenceHit> reference;
+  double trace_seconds = 0.0;  ///< spent in the driver and in Embree
+};
+
+/// generate_rays on all cores.
+void generate_rays_parallel(const RaySource& source, RayFamily family, std::uint64_t seed, std::uint64_t first, std::span<Ray> rays);
+
+/// Traces `rays` on both sides and adds their verdicts to `tally`; ray i has number first_index + i.
+void trace_and_judge(const Stage& stage, Probe& probe, const EmbreeScene& embree, std::span<const Ray> rays, std::uint64_t first_index, std::uint64_t seed,
+                     TraceBuffers& buffers, Tally& tally);
+
+/// Adds to the reason of each failing ray which layer lost it: the tree, or the arithmetic.
+void name_layers(Session& session, const Stage& stage, Tally& tally);
+
+/// How many rays of a case may be grazing: derived from the scene for random families, all of them where rays are aimed at rounding.
+std::uint64_t grazing_budget(const Stage& stage, RayFamily family, std::uint64_t rays);
+
+/// Verdict counts, kept rays and figures of a tally.
+void record_tally(const Tally& tally, const std::string& spec, CaseRecord& record);
+
+/// Sets status and message: failed by any tracer_wrong, leak or capped ray, or by more grazing rays than the budget.
+void conclude(const Tally& tally, std::uint64_t budget, CaseRecord& record);
+
+/// The ray as `explain --ray` reads it: seven hex floats.
+std::string ray_argument(const Ray& ray);
+
+/// An argument quoted for a shell where it needs it.
+std::string quoted(const std::string& argument);
+
+}  // namespace plumbline

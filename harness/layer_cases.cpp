@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The cases that take the tracer apart: `layers.*` (the tree against a loop over all primitives), `variants.*` (options that must not change an answer),
+// `bake.*` (the image on disk) and `driver.*` (what the GL implementation itself gets wrong).
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <filesystem>
+
+#include "harness/catalogue.h"
+#include "harness/hit_cases.h"
+#include "scenes/error.h"
+#include "tracer/driver_cases.h"
+
+namespace plumbline {
+namespace {
+
+/// Rays of every family, `each` of each.
+std::vector<Ray> mixed_rays(const Stage& stage, std::uint64_t seed, std::size_t each) {
+  std::vector<Ray> rays(each * ray_families().size());
+  std::size_t at = 0;
+  for (const RayFamilyInfo& family : ray_families()) {
+    generate_rays_parallel(stage.rays, family.family, seed, 0, std::span(rays).subspan(at, each));
+    at += each;
+  }
+  return rays;
+}
+
+bool same_bits(const glm::vec3& a, const glm::vec3& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
+/// All but steps and tests, which tell of the walk and not of the answer.
+bool same_answer(const Hit& a, const Hit& b) {
+  return a.kind == b.kind && a.primitive == b.primitive && std::bit_cast<std::uint32_t>(a.t) == std::bit_cast<std::uint32_t>(b.t) &&
+         same_bits(a.position, b.position) && same_bits(a.normal, b.normal) && std::memcmp(&a.barycentrics, &b.barycentrics, sizeof a.barycentrics) == 0;
+}
+
+/// Counts the rays whose answers differ in any bit, as agree and tracer_wrong, and keeps the first few.
+void record_differences(std::span<const Ray> rays, std::span<const Hit> got, std::span<const Hit> expected, const std::string& expected_name,
+                        const std::string& spec, CaseRecord& record) {
+  std::uint64_t differing = 0;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (same_answer(got[i], expected[i])) continue;
+    if (++differing > 8) continue;
+    RayRecord r;
+    r.verdict = verdict_name(got[i].kind == HitKind::capped ? Verdict::capped : Verdict::tracer_wrong);
+    r.index = i;
+    r.origin = hex_vector(rays[i].origin), r.direction = hex_vector(rays[i].direction), r.t_max = hex_float(rays[i].t_max);
+    r.tracer = describe(got[i]);
+    r.reference = describe(expected[i]);
+    r.reason = "Not bit for bit what " + expected_name + " answers.";
+    r.replay = "./plumbline explain " + quoted(spec) + " --ray=" + ray_argument(rays[i]);
+    record.worst.push_back(std::move(r));
+  }
+  record.rays += rays.size();
+  record.verdicts["agree"] += rays.size() - differing;
+  record.verdicts["tracer_wrong"] += differing;
+  if (differing > 0) {
+    record.status = CaseStatus::failed;
+    record.message += (record.message.empty() ? "" : "; ") + std::to_string(differing) + " of " + std::to_string(rays.size()) + " rays differ from " + expected_name;
+  }
+}
+
+std::size_t rays_per_family(std::uint64_t tests, const Stage& stage) {
+  const std::uint64_t primitives = std::max<std::uint64_t>(1, stage.scene.primitive_count());
+  return std::clamp<std::uint64_t>(tests / primitives / ray_families().size(), 16, 4096);
+}
+
+}  // namespace
+
+Case brute_force_case(const ListedScene& scene, std::uint64_t tests) {
+  Case c;
+  c.name = "layers.brute_force." + scene.name;
+  c.feature = "layers";
+  c.scene = scene.name;
+  c.spec = scene.spec;
+  c.paper = "4";
+  c.proves = "The tree loses nothing: the production walk answers bit for bit what a loop over all primitives answers with the same primitive functions.";
+  c.run = [tests](CaseContext& context, const Case& self, CaseRecord& record) {
+    Stage& stage = context.session.stage(self.spec);
+    const std::vector<Ray> rays = mixed_rays(stage, case_seed(context.seed, self.name), rays_per_family(tests, stage));
+    std::vector<Hit> tree(rays.size()), brute(rays.size());
+    context.session.probe(stage).trace(rays, tree);
+    context.session.brute_force(stage).trace(rays, brute);
+    record_differences(rays, tree, brute, "brute force", self.spec, record);
+  };
+  return c;
+}
+
+Case variants_case(const ListedScene& scene, std::uint64_t per_family) {
+  Case c;
+  c.name = "variants.all." + scene.name;
+  c.feature = "variants";
+  c.scene = scene.name;
+  c.spec = scene.spec;
+  c.paper = "9";
+  c.proves = "No variant of bake or shader changes an answer in any bit.";
+  c.run = [per_family](CaseContext& context, const Case& self, CaseRecord& record) {
+    Stage& stage = context.session.stage(self.spec);
+    const std::vector<Ray> rays = mixed_rays(stage, case_seed(context.seed, self.name), per_family);
+    std::vector<Hit> standard(rays.size()), hits(rays.size());
+    context.session.probe(stage).trace(rays, standard);
+    const std::vector<Variant> variants = all_variants();
+    for (std::size_t i = 0; i < variants.size(); ++i) {
+      const GeometryImage image = bake(stage.scene, variants[i].options);
+      Probe& probe = context.session.probe(image);
+      probe.trace(rays, hits);
+      record_differences(rays, hits, standard, "the default variant, as " + variants[i].name, self.spec, record);
+      context.progress(static_cast<double>(i + 1) / static_cast<double>(variants.size()));
+    }
+    record.figures.push_back({"variants", "", static_cast<double>(variants.size())});
+  };
+  return c;
+}
+
+Case bake_file_case(const ListedScene& scene) {
+  Case c;
+  c.name = "bake.file." + scene.name;
+  c.feature = "bake";
+  c.scene = scene.name;
+  c.spec = scene.spec;
+  c.paper = "3";
+  c.proves = "A geometry image written to OpenEXR and read back is the same, bit for bit.";
+  c.run = [](CaseContext& context, const Case& self, CaseRecord& record) {
+    Stage& stage = context.session.stage(self.spec);
+    const std::filesystem::path file = context.out / ("bake_" + self.scene + ".exr");
+    write_geometry_image(stage.image, file);
+    const GeometryImage back = read_geometry_image(file);
+    std::error_code ignored;
+    record.figures.push_back({"file", "bytes", static_cast<double>(std::filesystem::file_size(file, ignored))});
+    std::filesystem::remove(file, ignored);
+    record.figures.push_back({"image", "texels", static_cast<double>(back.texels.size())});
+    const bool same = back.width == stage.image.width && back.height == stage.image.height && back.texels.size() == stage.image.texels.size() &&
+                      std::memcmp(back.texels.data(), stage.image.texels.data(), back.texels.size() * sizeof(glm::vec4)) == 0;
+    if (!same) {
+      record.status = CaseStatus::failed;
+      record.message = "the image read back differs from the one written";
+    }
+  };
+  return c;
+}
+
+std::vector<Case> driver_cases() {
+  std::vector<Case> cases;
+  for (const DriverCase& asked : all_driver_cases()) {
+    Case c;
+    c.name = "driver." + asked.name;
+    c.feature = "driver";
+    c.proves = asked.what;
+    c.run = [asked](CaseContext& context, const Case&, CaseRecord& record) {
+      const DriverResult result = run_driver_case(context.session.context(), asked);
+      record.message = result.detail;
+      record.figures.push_back({"fault found", "", result.found ? 1.0 : 0.0});
+      // A fault that the tracer is written around is named, and fails nothing; one that it relies on not being there fails.
+      if (result.found && !asked.tolerated) record.status = CaseStatus::failed;
+    };
+    cases.push_back(std::move(c));
+  }
+  return cases;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The cases `hits.picture.*`: what the camera sees, pixel by pixel, with a verdict for each, as pictures to look at.
+#include <cmath>
+
+#include "harness/catalogue.h"
+#include "harness/hit_cases.h"
+#include "reports/picture.h"
+#include "scenes/camera.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kWidth = 384;  ///< pixels; the height follows the camera
+
+/// |cosine| between ray and normal, so that the shape is seen.
+std::vector<float> brightness_of(std::span<const Ray> rays, std::span<const Hit> hits) {
+  std::vector<float> brightness(rays.size(), 0.0f);
+  for (std::size_t i = 0; i < rays.size(); ++i)
+    if (hits[i].kind == HitKind::hit) brightness[i] = std::abs(glm::dot(glm::normalize(rays[i].direction), hits[i].normal));
+  return brightness;
+}
+
+}  // namespace
+
+Case picture_case(const ListedScene& scene) {
+  Case c;
+  c.name = "hits.picture." + scene.name;
+  c.feature = "hits";
+  c.scene = scene.name;
+  c.spec = scene.spec;
+  c.family = "picture";
+  c.paper = "4";
+  c.proves = "Every pixel of the camera's view hits what exact arithmetic says.";
+  c.run = [](CaseContext& context, const Case& self, CaseRecord& record) {
+    Stage& stage = context.session.stage(self.spec);
+    Camera camera = stage.scene.camera;
+    const int height = std::clamp(kWidth * camera.height / std::max(1, camera.width), 16, 4 * kWidth);
+    camera.width = kWidth, camera.height = height;
+    const CameraFrame frame = camera_frame(camera);
+    std::vector<Ray> rays;
+    rays.reserve(static_cast<std::size_t>(kWidth) * height);
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < kWidth; ++x) rays.push_back(camera_ray(frame, x, y));
+
+    TraceBuffers buffers;
+    buffers.tracer.resize(rays.size()), buffers.reference.resize(rays.size());
+    Probe& probe = context.session.probe(stage);
+    probe.trace(rays, buffers.tracer);
+    record.trace_seconds = probe.draw_seconds();
+    stage.embree.intersect(rays, buffers.reference);
+    const std::uint64_t seed = case_seed(context.seed, self.name);
+    Tally tally;
+    judge_batch(stage.judge, rays, buffers.tracer, buffers.reference, 0, seed, 64, tally);
+    name_layers(context.session, stage, tally);
+    record_tally(tally, self.spec, record);
+    conclude(tally, rays.size(), record);
+
+    std::vector<std::uint32_t> primitives(rays.size());
+    std::vector<float> steps(rays.size()), tests(rays.size());
+    std::vector<std::uint8_t> verdicts(rays.size(), static_cast<std::uint8_t>(Verdict::agree));
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const Hit& h = buffers.tracer[i];
+      primitives[i] = h.kind == HitKind::hit ? h.primitive : kNone;
+      steps[i] = static_cast<float>(h.steps), tests[i] = static_cast<float>(h.primitive_tests);
+      verdicts[i] = static_cast<std::uint8_t>(judge(stage.judge, rays[i], h, buffers.reference[i]).verdict);
+    }
+    std::vector<std::string> names;
+    for (const Verdict v : kVerdicts) names.emplace_back(verdict_name(v));
+    const std::vector<float> brightness = brightness_of(rays, buffers.tracer);
+    const auto add = [&](const Picture& picture, const char* stem, const char* title, const char* caption) {
+      record.pictures.push_back(save_picture(picture, context.out, self.name + "." + stem, title, caption));
+    };
+    add(paint_primitives(primitives, brightness, kWidth, height), "hits", "Hit map", "A colour for each primitive hit by the production tracer, darker where the ray grazes it.");
+    add(paint_values(steps, kWidth, height, "cells"), "steps", "Steps per pixel", "Cells of the geometry image that the ray visited.");
+    add(paint_values(tests, kWidth, height, "tests"), "tests", "Primitive tests per pixel", "Primitives that the ray was tested against.");
+    add(paint_verdicts(verdicts, names, brightness, kWidth, height), "verdicts", "Verdicts", "Where the two tracers disagreed, and who was right; grey where they agree. Marks are enlarged.");
+  };
+  return c;
+}
+
+}  // namespace plumbline

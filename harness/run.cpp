@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "harness/run.h"
+
+#include <sys/utsname.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <ctime>
+#include <fstream>
+#include <set>
+#include <thread>
+
+#include "harness/progress.h"
+#include "harness/version.h"
+#include "reports/history.h"
+#include "reports/html.h"
+#include "reports/journal.h"
+#include "reports/text_summary.h"
+#include "scenes/error.h"
+#include "tracer/driver_cases.h"
+
+namespace plumbline {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+std::string utc_now() {
+  const std::time_t now = std::time(nullptr);
+  std::tm parts{};
+  gmtime_r(&now, &parts);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts);
+  return text;
+}
+
+std::string machine() {
+  std::string model = "unknown processor";
+  std::ifstream info("/proc/cpuinfo");
+  for (std::string line; std::getline(info, line);)
+    if (line.starts_with("model name")) {
+      model = line.substr(line.find(':') + 2);
+      break;
+    }
+  return model + ", " + std::to_string(std::thread::hardware_concurrency()) + " cores";
+}
+
+CaseRecord run_case(const Case& c, CaseContext& context, const RunOptions& options) {
+  CaseRecord record;
+  record.name = c.name, record.feature = c.feature, record.scene = c.scene, record.family = c.family;
+  record.proves = c.proves, record.paper = c.paper;
+  record.seed = case_seed(options.seed, c.name);
+  record.replay = "./plumbline run " + c.name + " --seed " + std::to_string(options.seed) + (c.rays ? " --rays " + std::to_string(c.rays) : "");
+  const auto start = Clock::now();
+  try {
+    c.run(context, c, record);
+  } catch (const std::exception& error) {
+    record.status = CaseStatus::error;
+    record.message = error.what();
+  }
+  record.seconds = seconds_since(start);
+  return record;
+}
+
+/// The driver's faults as the driver cases found them.
+std::vector<DriverFinding> findings_of(const RunRecord& run) {
+  std::vector<DriverFinding> findings;
+  for (const CaseRecord& c : run.cases) {
+    if (c.feature != "driver" || c.status == CaseStatus::error || c.figures.empty()) continue;
+    findings.push_back({c.name.substr(c.name.find('.') + 1), c.figures.front().value != 0.0, c.message});
+  }
+  return findings;
+}
+
+}  // namespace
+
+RunRecord begin_record(const RunOptions& options) {
+  RunRecord run;
+  run.version = version();
+  run.commit = commit();
+  run.command = options.command;
+  run.seed = options.seed;
+  run.started = utc_now();
+  run.machine = machine();
+  run.libraries = library_versions();
+  return run;
+}
+
+RunRecord run_cases(const std::vector<Case>& all, const RunOptions& options) {
+  const auto start = Clock::now();
+  std::vector<Case> cases;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (static_cast<int>(i % static_cast<std::size_t>(options.shards)) == options.shard - 1) cases.push_back(all[i]);
+
+  Session session;
+  RunRecord run = begin_record(options);
+  run.planned_cases = cases.size();
+  run.driver_renderer = session.context().renderer();
+  run.driver_version = session.context().version();
+
+  std::set<std::string> done;
+  double spent_before = 0.0;
+  Journal journal = [&] {
+    if (!options.resume) return Journal::begin(options.out, run);
+    RunRecord earlier;
+    Journal opened = Journal::resume(options.out, earlier);
+    if (earlier.seed != run.seed || earlier.commit != run.commit || earlier.planned_cases != run.planned_cases)
+      throw InputError(options.out.string() + " holds another run (seed " + std::to_string(earlier.seed) + ", commit " + earlier.commit + ", " +
+                       std::to_string(earlier.planned_cases) + " cases); resume it with the command that began it, `" + earlier.command + "`, or choose another --out");
+    run.started = earlier.started;
+    run.cases = earlier.cases;
+    for (const CaseRecord& c : run.cases) done.insert(c.name), spent_before += c.seconds;
+    return opened;
+  }();
+
+  Progress progress;
+  CaseContext context{session, options.seed, options.out, [](double) {}};
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    const Case& c = cases[i];
+    if (done.count(c.name)) continue;
+    if (options.budget_seconds > 0.0 && seconds_since(start) > options.budget_seconds) break;
+    const auto at = [&](double share) {
+      if (!options.quiet) progress.show((static_cast<double>(i) + share) / static_cast<double>(cases.size()), c.name);
+    };
+    context.progress = at;
+    at(0.0);
+    CaseRecord record = run_case(c, context, options);
+    if (!options.quiet && (record.status == CaseStatus::failed || record.status == CaseStatus::error)) {
+      progress.clear();
+      std::fprintf(stderr, "%s %s: %s\n  replay: %s\n", record.status == CaseStatus::failed ? "FAILED" : "ERROR", c.name.c_str(), record.message.c_str(),
+                   record.replay.c_str());
+    }
+    journal.append(record);
+    run.cases.push_back(std::move(record));
+  }
+  progress.clear();
+  run.findings = findings_of(run);
+  run.seconds = spent_before + seconds_since(start);
+
+  ReportOptions report;
+  RunChanges changes;
+  if (!options.history.empty()) {
+    History history(options.history);
+    changes = history.changes_since_last(run);
+    report.changes = &changes;
+    history.append_run(run);
+  }
+  write_report(run, options.out, report);
+  if (!options.quiet) {
+    std::fputs(text_summary(run, {isatty(STDOUT_FILENO) != 0, 20}).c_str(), stdout);
+    std::printf("Report: %s\n", (options.out / "index.html").string().c_str());
+  }
+  return run;
+}
+
+int exit_status(const RunRecord& run) { return summarize(run).ok() ? 0 : 1; }
+
+}  // namespace plumbline

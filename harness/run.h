@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Runs cases one after the other, records each when it ends, and writes the report.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "harness/catalogue.h"
+#include "reports/record.h"
+
+namespace plumbline {
+
+struct RunOptions {
+  std::string command;               ///< as typed, for the record
+  std::uint64_t seed = 1;
+  std::filesystem::path out = "out";
+  int shard = 1, shards = 1;         ///< takes every case whose number is shard - 1 modulo shards
+  bool resume = false;               ///< go on with the run in `out`: cases that ended there are not run again
+  double budget_seconds = 0.0;       ///< 0: none; cases not begun when it is spent are left out and said to be
+  std::filesystem::path history;     ///< database of earlier runs; empty: none
+  bool quiet = false;                ///< no progress, no summary
+};
+
+/// Runs the cases and writes cases.jsonl (as it goes), results.json, junit.xml, report.md and index.html into options.out.
+/// A case that throws is recorded as an error and the others run on. Throws InputError where --resume meets another run.
+RunRecord run_cases(const std::vector<Case>& cases, const RunOptions& options);
+
+/// 0 where everything passed, 1 where a case failed, ended in an error or was left out.
+int exit_status(const RunRecord& run);
+
+/// "1 2 3" in lines, with seeds and versions: what every run begins with.
+RunRecord begin_record(const RunOptions& options);
+
+}  // namespace plumbline

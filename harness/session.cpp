@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "harness/session.h"
+
+#include "scenes/camera.h"
+#include "scenes/generate.h"
+
+namespace plumbline {
+namespace {
+
+constexpr std::size_t kSecondarySources = 1 << 14;
+
+std::vector<glm::vec4> node_spheres(const SphereTree& tree) {
+  std::vector<glm::vec4> spheres;
+  spheres.reserve(tree.nodes.size());
+  for (const TreeNode& node : tree.nodes) spheres.emplace_back(node.center, node.radius);
+  return spheres;
+}
+
+std::string program_key(const GeometryImage& image, Traversal traversal) {
+  return variant_name(image.options) + (traversal == Traversal::brute_force ? " brute force" : "");
+}
+
+}  // namespace
+
+Stage::Stage(const std::string& spec_, Scene scene_)
+    : spec(spec_),
+      scene(std::move(scene_)),
+      topology(make_topology(scene)),
+      arbiter(scene),
+      embree(scene),
+      judge(make_judge(scene, arbiter, topology)),
+      tree(build_sphere_tree(scene, BakeOptions{}.tree)),
+      image(bake(scene, tree, BakeOptions{})),
+      rays(scene, node_spheres(tree)) {}
+
+Session::Session() = default;
+Session::~Session() = default;
+
+Stage& Session::stage(const std::string& spec) {
+  if (stage_ && stage_->spec == spec) return *stage_;
+  stage_.reset();  // before the next one is built: two big scenes at once would double the peak of memory
+  return install(std::make_unique<Stage>(spec, load_scene(spec)));
+}
+
+Stage& Session::stage(const std::string& spec, Scene scene) { return install(std::make_unique<Stage>(spec, std::move(scene))); }
+
+Stage& Session::install(std::unique_ptr<Stage> stage) {
+  uploaded_.clear();
+  stage_ = std::move(stage);
+  if (stage_->scene.primitive_count() > 0) stage_->rays.set_captured(capture_secondary_rays(*this, *stage_, kSecondarySources));
+  return *stage_;
+}
+
+Probe& Session::program(const GeometryImage& image, Traversal traversal) {
+  const std::string key = program_key(image, traversal);
+  auto& program = programs_[key];
+  if (!program) {
+    program = std::make_unique<Probe>(context_, image, traversal);
+  } else if (uploaded_[key] != &image) {
+    program->set_image(image);
+  }
+  uploaded_[key] = &image;
+  return *program;
+}
+
+Probe& Session::probe(const Stage& stage) { return program(stage.image, Traversal::tree); }
+Probe& Session::brute_force(const Stage& stage) { return program(stage.image, Traversal::brute_force); }
+
+Probe& Session::probe(const GeometryImage& image) {
+  uploaded_.erase(program_key(image, Traversal::tree));  // a variant's image may stand where an older one stood
+  return program(image, Traversal::tree);
+}
+
+std::vector<Ray> capture_secondary_rays(Session& session, const Stage& stage, std::size_t count) {
+  std::vector<Ray> primary(count), secondary;
+  generate_rays(stage.rays, RayFamily::camera, 0, 0, primary);
+  std::vector<Hit> hits(count);
+  session.probe(stage).trace(primary, hits);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Hit& hit = hits[i];
+    if (hit.kind != HitKind::hit) continue;
+    const glm::vec3 d = primary[i].direction;
+    secondary.push_back({hit.position, d - 2.0f * glm::dot(d, hit.normal) * hit.normal});
+    // A shadow ray ends at the light: t = 1 is the light itself.
+    for (const Light& light : stage.scene.lights)
+      if (light.position != hit.position) secondary.push_back({hit.position, light.position - hit.position, 1.0f});
+  }
+  return secondary;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,328 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "harness/verdict.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <optional>
+
+#include "reference/exact_values.h"
+#include "scenes/random.h"
+
+namespace plumbline {
+namespace {
+
+constexpr std::size_t kKeptPerVerdict = 24;
+/// The smallest normal float: what the driver flushes to zero cannot be held against it.
+constexpr double kSmallest = 0x1p-126;
+
+/// Name of the value that lies outside its bound, empty if none does. Written so that NaN is outside.
+std::string value_outside_bound(const ValueBounds& b, const Hit& hit, const ReferenceHit& truth) {
+  char text[160];
+  const auto say = [&](const char* what, double error, double bound) {
+    std::snprintf(text, sizeof text, "%s is off by %.3g, the bound is %.3g", what, error, bound);
+    return std::string(text);
+  };
+  // A t beyond what 32 bits hold is infinite.
+  const bool overflow = std::isinf(hit.t) && truth.t + b.t > static_cast<double>(std::numeric_limits<float>::max());
+  const double dt = std::abs(static_cast<double>(hit.t) - truth.t);
+  if (!overflow && !(dt <= b.t + kSmallest)) return say("t", dt, b.t);
+  const double dp = glm::length(glm::dvec3(hit.position) - truth.position);
+  if (!(dp <= b.position + kSmallest)) return say("the position", dp, b.position);
+  const double dn = glm::length(glm::dvec3(hit.normal) - truth.normal);
+  if (!(dn <= b.normal)) return say("the normal", dn, b.normal);
+  for (int i = 0; i < 2; ++i) {
+    const double dw = std::abs(static_cast<double>(hit.barycentrics[i]) - truth.barycentrics[i]);
+    if (!(dw <= b.barycentrics)) return say("a barycentric weight", dw, b.barycentrics);
+  }
+  return {};
+}
+
+/// A relaxation that explains an answer: `amount` of what 32 bits resolve (`bound`) was used.
+struct Relaxation {
+  double amount = 0.0, bound = 0.0;
+  double ratio() const { return bound > 0.0 ? amount / bound : (amount > 0.0 ? std::numeric_limits<double>::infinity() : 0.0); }
+};
+
+/// The exact picture of one ray: what its line meets or passes close by, nearest first.
+class Picture {
+ public:
+  Picture(const Judge& judge, const Ray& ray) : judge_(judge), ray_(ray), length_(glm::length(glm::dvec3(ray.direction))) {
+    const double reach = lateral_bound_of_scene(judge.bounds, ray);
+    const double slack = (2.0 * judge.bounds.longest_edge + 2.0 * reach) / length_;
+    crossings_ = judge.arbiter->crossings(ray, reach, slack);
+  }
+
+  bool is_nearest(const Crossing& c) const { return c.hit && c.nearest; }
+  const Crossing* find(std::uint32_t primitive) const {
+    for (const Crossing& c : crossings_)
+      if (c.primitive == primitive) return &c;
+    return nullptr;
+  }
+  bool any_hit() const {
+    return std::any_of(crossings_.begin(), crossings_.end(), [](const Crossing& c) { return c.hit; });
+  }
+  /// Whether `kind, primitive` is an exact answer.
+  bool is_exact(HitKind kind, std::uint32_t primitive) const {
+    if (kind == HitKind::miss) return !any_hit();
+    const Crossing* c = find(primitive);
+    return c && is_nearest(*c);
+  }
+
+  double dt(const Crossing& c) const { return value_bounds(judge_.bounds, ray_, c.primitive, c.t).t; }
+
+  /// Whether 32-bit evaluation may have come to this answer although it is not the exact one; if so, the largest relaxation used.
+  std::optional<Relaxation> explained(HitKind kind, std::uint32_t primitive) const {
+    Relaxation worst;
+    const auto use = [&](double amount, double bound) {
+      const Relaxation r{amount, bound};
+      if (!(r.ratio() <= 1.0)) return false;
+      if (r.ratio() >= worst.ratio()) worst = r;
+      return true;
+    };
+    double t = std::numeric_limits<double>::infinity(), t_bound = 0.0;
+    if (kind == HitKind::hit) {
+      const Crossing* c = find(primitive);
+      if (!c) return std::nullopt;
+      t = c->t, t_bound = dt(*c);
+      if (!c->on_line && !use(-c->margin, lateral_bound(judge_.bounds, ray_, primitive))) return std::nullopt;
+      if (!(c->t > 0.0) && !use(-c->t * length_, t_bound * length_)) return std::nullopt;
+      if (c->t > ray_.t_max && !use((c->t - ray_.t_max) * length_, t_bound * length_)) return std::nullopt;
+    }
+    for (const Crossing& x : crossings_) {  // all that the answer skipped
+      if (!x.hit || x.primitive == primitive || !(x.t < t)) continue;
+      const double bound = dt(x);
+      const bool order = kind == HitKind::hit && use((t - x.t) * length_, (bound + t_bound) * length_);
+      if (order) continue;
+      if (use(x.margin, lateral_bound(judge_.bounds, ray_, x.primitive))) continue;
+      if (use(x.t * length_, bound * length_)) continue;
+      if (std::isfinite(ray_.t_max) && use((ray_.t_max - x.t) * length_, bound * length_)) continue;
+      return std::nullopt;
+    }
+    return worst;
+  }
+
+  /// Whether the answer went through a closed surface: a triangle that was skipped is met, and wherever the ray may have passed by it, across its
+  /// near edges, the surface goes on facing the same way. Where it turns round (a silhouette) or ends (a border) passing by is no leak.
+  const Crossing* leaked(HitKind kind, std::uint32_t primitive) const {
+    double t = std::numeric_limits<double>::infinity();
+    if (kind == HitKind::hit)
+      if (const Crossing* c = find(primitive)) t = c->t - dt(*c);
+    for (const Crossing& x : crossings_) {
+      if (!x.hit || !judge_.scene->is_triangle(x.primitive) || x.primitive == primitive) continue;
+      const double bound = dt(x);
+      if (!(x.t + bound < t) || x.t <= bound || x.t + bound >= ray_.t_max) continue;
+      if (!judge_.topology->is_closed(x.primitive)) continue;
+      const bool turns = std::any_of(crossings_.begin(), crossings_.end(), [&](const Crossing& y) {
+        return judge_.scene->is_triangle(y.primitive) && y.facing != x.facing && std::abs(y.t - x.t) <= bound + dt(y) &&
+               judge_.topology->share_a_corner(x.primitive, y.primitive);
+      });
+      if (!turns) return &x;
+    }
+    return nullptr;
+  }
+
+  std::string describe_truth() const {
+    std::string text;
+    char part[96];
+    for (const Crossing& c : crossings_) {
+      if (!is_nearest(c)) continue;
+      std::snprintf(part, sizeof part, "%s%u", text.empty() ? "hit " : " and ", c.primitive);
+      text += part;
+    }
+    if (text.empty()) return "miss";
+    for (const Crossing& c : crossings_)
+      if (is_nearest(c)) {
+        std::snprintf(part, sizeof part, " at t = %.17g, %.3g inside its outline", c.t, c.margin);
+        return text + part;
+      }
+    return text;
+  }
+
+ private:
+  const Judge& judge_;
+  const Ray& ray_;
+  double length_;
+  std::vector<Crossing> crossings_;
+};
+
+std::string answer(HitKind kind, std::uint32_t primitive) {
+  return kind == HitKind::hit ? "primitive " + std::to_string(primitive) : std::string("a miss");
+}
+
+/// What happens to values once the primitive is settled: they must lie within their bounds of the exact values.
+std::string exact_value_error(const Judge& judge, const Ray& ray, const Hit& tracer) {
+  const ReferenceHit truth = exact_hit(*judge.scene, ray, tracer.primitive);
+  return value_outside_bound(value_bounds(judge.bounds, ray, tracer.primitive, truth.t), tracer, truth);
+}
+
+Judgement arbitrate(const Judge& judge, const Ray& ray, const Hit& tracer, const ReferenceHit& reference) {
+  Judgement j;
+  j.arbitrated = true;
+  const Picture picture(judge, ray);
+  j.exact = picture.describe_truth();
+  const bool tracer_exact = picture.is_exact(tracer.kind, tracer.primitive);
+  const bool reference_exact = picture.is_exact(reference.kind, reference.primitive);
+  const bool same = tracer.kind == reference.kind && tracer.primitive == reference.primitive;
+
+  if (tracer_exact && tracer.kind == HitKind::hit) {
+    const std::string error = exact_value_error(judge, ray, tracer);
+    if (!error.empty()) {
+      j.verdict = Verdict::tracer_wrong;
+      j.reason = "The tracer found the right primitive, but " + error + ".";
+      return j;
+    }
+  }
+  if (tracer_exact && reference_exact) {
+    j.verdict = same ? Verdict::agree : Verdict::tie;
+    if (!same) j.reason = "Both primitives are exactly nearest.";
+    return j;
+  }
+  if (!tracer_exact) {
+    const auto why = picture.explained(tracer.kind, tracer.primitive);
+    if (!why) {
+      j.verdict = Verdict::tracer_wrong;
+      j.reason = "The tracer answered " + answer(tracer.kind, tracer.primitive) + ", which no rounding of its formulas explains.";
+      return j;
+    }
+    if (const Crossing* x = picture.leaked(tracer.kind, tracer.primitive)) {
+      j.verdict = Verdict::leak;
+      j.reason = "The ray slipped through the closed surface at triangle " + std::to_string(x->primitive) + ", where no outline is near.";
+      return j;
+    }
+    j.verdict = Verdict::grazing;
+    j.margin = why->amount, j.bound = why->bound;
+    j.reason = "The tracer's answer differs from the exact one by less than 32 bits resolve.";
+    return j;
+  }
+  const auto why = picture.explained(reference.kind, reference.primitive);
+  if (!why) {
+    j.verdict = Verdict::reference_wrong;
+    j.reason = "Embree answered " + answer(reference.kind, reference.primitive) + "; the tracer is exactly right.";
+    return j;
+  }
+  j.verdict = Verdict::grazing;
+  j.margin = why->amount, j.bound = why->bound;
+  j.reason = "The tracer is exactly right; Embree differs by less than 32 bits resolve.";
+  return j;
+}
+
+}  // namespace
+
+std::string_view verdict_name(Verdict verdict) {
+  constexpr std::array<std::string_view, kVerdictCount> kNames{"agree", "tie", "grazing", "leak", "tracer_wrong", "reference_wrong", "undefined", "capped"};
+  return kNames[static_cast<std::size_t>(verdict)];
+}
+
+bool is_failure(Verdict verdict) {
+  return verdict == Verdict::leak || verdict == Verdict::tracer_wrong || verdict == Verdict::capped;
+}
+
+Judge make_judge(const Scene& scene, const Arbiter& arbiter, const Topology& topology) {
+  return {&scene, &arbiter, &topology, make_bounds_context(scene)};
+}
+
+Judgement judge(const Judge& judge, const Ray& ray, const Hit& tracer, const ReferenceHit& reference, bool arbitrate_always) {
+  if (!is_defined(ray)) {
+    if (tracer.kind == HitKind::undefined) return {Verdict::undefined, false, 0.0, 0.0, {}, "The ray has no answer (SEMANTICS 1.3)."};
+    return {Verdict::tracer_wrong, false, 0.0, 0.0, {}, "The ray has no answer, but the tracer gave one."};
+  }
+  if (tracer.kind == HitKind::capped) return {Verdict::capped, false, 0.0, 0.0, {}, "The tracer's walk did not end within the number of cells of the image."};
+  if (tracer.kind == HitKind::undefined) return {Verdict::tracer_wrong, false, 0.0, 0.0, {}, "The ray has an answer, but the tracer called it undefined."};
+  if (tracer.kind == HitKind::hit && tracer.primitive >= judge.scene->primitive_count())
+    return {Verdict::tracer_wrong, false, 0.0, 0.0, {}, "The tracer named a primitive that does not exist."};
+  if (!arbitrate_always && tracer.kind == reference.kind) {
+    if (tracer.kind == HitKind::miss) return {};
+    if (tracer.primitive == reference.primitive &&
+        value_outside_bound(value_bounds(judge.bounds, ray, tracer.primitive, reference.t), tracer, reference).empty())
+      return {};
+  }
+  return arbitrate(judge, ray, tracer, reference);
+}
+
+std::uint64_t Tally::rays() const {
+  std::uint64_t sum = 0;
+  for (const std::uint64_t n : count) sum += n;
+  return sum;
+}
+
+namespace {
+
+void merge_kept(Tally& into, const Tally& from) {
+  into.kept.insert(into.kept.end(), from.kept.begin(), from.kept.end());
+  std::stable_sort(into.kept.begin(), into.kept.end(), [](const JudgedRay& a, const JudgedRay& b) { return a.index < b.index; });
+  std::array<std::size_t, kVerdictCount> kept{};
+  std::erase_if(into.kept, [&](const JudgedRay& r) { return ++kept[static_cast<std::size_t>(r.judgement.verdict)] > kKeptPerVerdict; });
+}
+
+void merge(Tally& into, const Tally& from) {
+  for (std::size_t i = 0; i < kVerdictCount; ++i) into.count[i] += from.count[i];
+  into.arbitrated += from.arbitrated;
+  into.sampled += from.sampled;
+  into.max_margin_ratio = std::max(into.max_margin_ratio, from.max_margin_ratio);
+  merge_kept(into, from);
+}
+
+}  // namespace
+
+void judge_batch(const Judge& judge_data, std::span<const Ray> rays, std::span<const Hit> tracer, std::span<const ReferenceHit> reference,
+                 std::uint64_t first_index, std::uint64_t seed, std::uint32_t sample_one_in, Tally& tally) {
+  PLUMBLINE_ASSERT(tracer.size() == rays.size() && reference.size() == rays.size());
+  const std::uint64_t salt = mix64(seed ^ name_hash("arbitrated sample"));
+  const Tally batch = tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, rays.size(), 512), Tally{},
+      [&](const tbb::blocked_range<std::size_t>& range, Tally part) {
+        std::array<std::size_t, kVerdictCount> kept{};
+        for (std::size_t i = range.begin(); i != range.end(); ++i) {
+          const std::uint64_t index = first_index + i;
+          const bool sample = sample_one_in > 0 && mix64(salt ^ index) % sample_one_in == 0;
+          Judgement j = judge(judge_data, rays[i], tracer[i], reference[i], sample);
+          ++part.count[static_cast<std::size_t>(j.verdict)];
+          part.arbitrated += j.arbitrated;
+          part.sampled += sample && j.arbitrated;
+          if (j.verdict == Verdict::grazing && j.bound > 0.0) part.max_margin_ratio = std::max(part.max_margin_ratio, j.margin / j.bound);
+          if (j.verdict != Verdict::agree && ++kept[static_cast<std::size_t>(j.verdict)] <= kKeptPerVerdict)
+            part.kept.push_back({index, rays[i], tracer[i], reference[i], std::move(j)});
+        }
+        return part;
+      },
+      [](Tally a, const Tally& b) {
+        merge(a, b);
+        return a;
+      });
+  merge(tally, batch);
+}
+
+std::string hex_float(float value) {
+  char text[48];
+  std::snprintf(text, sizeof text, "%a", static_cast<double>(value));
+  return text;
+}
+
+std::string hex_vector(const glm::vec3& v) { return hex_float(v.x) + "," + hex_float(v.y) + "," + hex_float(v.z); }
+
+std::string describe(const Hit& hit) {
+  char text[160];
+  switch (hit.kind) {
+    case HitKind::miss: return "miss";
+    case HitKind::undefined: return "undefined";
+    case HitKind::capped: return "capped";
+    case HitKind::hit: break;
+  }
+  std::snprintf(text, sizeof text, "hit %u at t = %.9g", hit.primitive, static_cast<double>(hit.t));
+  return text;
+}
+
+std::string describe(const ReferenceHit& hit) {
+  char text[160];
+  if (hit.kind == HitKind::miss) return "miss";
+  if (hit.kind == HitKind::undefined) return "undefined";
+  std::snprintf(text, sizeof text, "hit %u at t = %.17g", hit.primitive, hit.t);
+  return text;
+}
+
+}  // namespace plumbline
