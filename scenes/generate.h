@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+// Scenes made by a program: the Standard Procedural Databases (Haines 1987) and meshes for scaling and leak tests.
+#pragma once
+
+#include <span>
+#include <string_view>
+
+#include "scenes/scene.h"
+
+namespace plumbline {
+
+struct Generator {
+  std::string_view name;         ///< stable: "sphereflake"
+  std::string_view description;  ///< one sentence, with what the size means
+  int default_size = 1;
+  int min_size = 1, max_size = 1;
+  Scene (*make)(int size) = nullptr;
+};
+
+/// All generators, in a fixed order.
+std::span<const Generator> generators();
+
+/// The scene `name` of a size; 0 stands for the generator's default. Its name is "sphereflake_4", without the number where
+/// there is only one size. The same on every machine up to the C library's sine and logarithm.
+/// Throws InputError for an unknown name or a size out of range, listing what is known.
+Scene generate_scene(std::string_view name, int size = 0);
+
+/// A scene from what a user types: a path of a scene file, or a generator "sphereflake" or "sphereflake:4".
+/// Throws InputError as read_scene and generate_scene do.
+Scene load_scene(std::string_view spec);
+
+}  // namespace plumbline

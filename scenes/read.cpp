@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+#include "scenes/read.h"
+
+#include <array>
+#include <cctype>
+#include <string_view>
+
+#include "scenes/error.h"
+#include "scenes/read_formats.h"
+#include "scenes/text_file.h"
+
+namespace plumbline {
+namespace {
+
+struct Format {
+  std::string_view ending;
+  Scene (*read)(const std::filesystem::path&, std::string text);
+};
+constexpr std::array<Format, 2> kFormats = {{{".nff", read_nff}, {".obj", read_obj}}};
+
+}  // namespace
+
+std::string known_endings() {
+  std::string endings;
+  for (const Format& format : kFormats) {
+    if (!endings.empty()) endings += ", ";
+    endings += format.ending;
+  }
+  return endings;
+}
+
+Scene read_scene(const std::filesystem::path& path) {
+  std::string ending = path.extension().string();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  for (const Format& format : kFormats) {
+    if (format.ending != ending) continue;
+    Scene scene = format.read(path, read_text_file(path));
+    scene.name = path.stem().string();
+    if (scene.primitive_count() == 0) {
+      std::string message = path.string() + ": nothing to trace: no triangle or sphere was found";
+      for (const std::string& warning : scene.warnings) message.append("; ").append(warning);
+      throw InputError(message);
+    }
+    return scene;
+  }
+  std::error_code failure;
+  if (std::filesystem::is_directory(path, failure)) throw InputError(path.string() + ": this is a folder; name a file in it");
+  throw InputError(path.string() + ": no reader for the ending " + shown(ending) + "; there are readers for " + known_endings());
+}
+
+}  // namespace plumbline
