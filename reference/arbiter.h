@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Who is right: the arbiter takes a ray's floats as exact numbers and decides with exact arithmetic what it hits. It
-// knows nothing of either tracer. The only file that names CGAL is arbiter.cpp.
+// knows nothing of either tracer. Its exact numbers are CGAL's, see exact.h.
 #pragma once
 
 #include <cstdint>
@@ -21,17 +21,20 @@ struct Crossing {
   bool on_line = false;
   /// Exact: no other crossing that is a hit has a smaller t. Several may be nearest: a tie.
   bool nearest = false;
-  /// t of the meeting (of the nearest valid root on a sphere); where the line passes by, of the line's closest approach
-  /// to the primitive. Rounded once to double from the exact value.
+  /// Where on_line, t of the meeting to within one unit in the last place; of a sphere the nearest valid root, or where
+  /// none is valid the one nearest to being so. Where the line passes by or lies in the plane, t of its closest
+  /// approach to the triangle's edges or to the sphere's centre, in plain double.
   double t = 0.0;
-  /// The two roots on a sphere (equal to t, t on a triangle), rounded once. Only meaningful where on_line.
+  /// Where on_line, the two roots on a sphere, as t is, or t and t on a triangle. Elsewhere the first and the last t
+  /// abreast of the primitive, in plain double.
   double t_enter = 0.0, t_leave = 0.0;
   /// How far the line passes inside (positive) or outside (negative) of the primitive's outline as seen along the ray,
   /// in world units perpendicular to the ray: of a triangle the distance to the nearest edge, of a sphere radius minus
-  /// the distance to the centre. Zero exactly where the line meets an edge, a corner, or is tangent.
+  /// the distance to the centre. Zero exactly where the line meets an edge, a corner, or is tangent; its sign is exact,
+  /// its magnitude good to a relative 2^-18. In a triangle's plane it is zero or negative.
   double margin = 0.0;
-  /// sign of direction . normal, exact: -1 meets the front of the triangle, +1 its back, 0 lies in its plane. 0 for
-  /// spheres.
+  /// sign of direction . normal, exact: -1 meets the front of the triangle, +1 its back, 0 is parallel to its plane. 0
+  /// for spheres and triangles without area.
   int facing = 0;
   /// Bits 0 to 2: the line passes within `reach` of the triangle's edge (corner i, corner i+1).
   std::uint8_t near_edges = 0;
@@ -45,13 +48,18 @@ class Arbiter {
   Arbiter(Arbiter&&) noexcept;
   Arbiter& operator=(Arbiter&&) noexcept;
 
-  /// Everything that the line of a defined ray meets or passes within `reach` (world units, perpendicular to the ray,
-  /// >= 0) of, with t in (-slack, t_max + slack] where slack is `t_slack` (units of t, >= 0), ordered by exact t where
-  /// on_line. Thread-safe.
+  /// Everything that the line of a defined ray meets in a point with t in (-slack, t_max + slack], or passes within
+  /// `reach` of while abreast of it there. `reach` is in world units, perpendicular to the ray, >= 0; slack is
+  /// `t_slack`, in units of t, >= 0. First what the line meets, by exact t and then by number; then what it passes by,
+  /// by t. Thread-safe.
   std::vector<Crossing> crossings(const Ray& ray, double reach, double t_slack) const;
 
-  /// The exact answer alone: all nearest primitives (empty: a miss), in ascending order. Thread-safe.
+  /// The exact answer alone: all nearest primitives (empty: a miss), in ascending order. The ray is defined.
+  /// Thread-safe.
   std::vector<std::uint32_t> nearest(const Ray& ray) const;
+
+  /// How many decisions since construction floating point left open, so that exact arithmetic took them.
+  std::uint64_t exact_decisions() const;
 
  private:
   struct Impl;

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The true values of a hit on a given primitive, to check bounds by.
+#pragma once
+
+#include "scenes/ray.h"
+#include "scenes/scene.h"
+
+namespace plumbline {
+
+/// What SEMANTICS 3 says of the ray's hit on one primitive, as if the scene held nothing else.
+///
+/// kind is `hit` exactly where the ray hits the primitive, `undefined` for an undefined ray, else `miss`. Of a miss the
+/// values are still told where they mean something: on a triangle those of the point in its plane (weights then lie
+/// outside [0, 1], or t outside (0, t_max]); on a sphere that the line meets, those of the root nearest to being valid.
+/// Where there is no such point (a line parallel to the plane, or past the sphere) the hit keeps its defaults, except
+/// `primitive`.
+///
+/// t is within one unit in the last place; vectors and weights within 2^-53 of their largest component (of 1 where that
+/// is smaller, for weights), however edge-on the triangle.
+ReferenceHit exact_hit(const Scene& scene, const Ray& ray, std::uint32_t primitive);
+
+}  // namespace plumbline
