@@ -99,7 +99,7 @@ std::string shown(std::string_view word) {
   return text + (word.size() > kLength ? "...'" : "'");
 }
 
-void Tally::report(std::vector<std::string>& warnings, const std::string& file, const std::string& message) const {
+void WarningTally::report(std::vector<std::string>& warnings, const std::string& file, const std::string& message) const {
   if (count == 0) return;
   std::string text = file + ":" + std::to_string(first_line) + ": " + message;
   if (count > 1) text += " (" + std::to_string(count) + " in all)";

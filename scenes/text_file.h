@@ -40,7 +40,7 @@ std::optional<long long> parse_integer(std::string_view word);
 std::string shown(std::string_view word);
 
 /// Counts what befell a file many times, to say it once: "file:12: MESSAGE (7 in all)".
-struct Tally {
+struct WarningTally {
   std::size_t count = 0, first_line = 0;
   void add(std::size_t line) {
     if (count++ == 0) first_line = line;
