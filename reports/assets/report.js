@@ -1,0 +1,312 @@
+// SPDX-License-Identifier: MIT
+// What the page does: theme, copy buttons, filters, tables of rays built when they are looked at, the picture viewer.
+'use strict';
+const byId = id => document.getElementById(id);
+const all = (selector, root = document) => [...root.querySelectorAll(selector)];
+const make = (tag, properties = {}, ...children) => {
+  const element = Object.assign(document.createElement(tag), properties);
+  element.append(...children);
+  return element;
+};
+
+// ---- Theme ----
+{
+  const button = byId('theme');
+  const states = ['auto', 'light', 'dark'];
+  const current = () => document.documentElement.dataset.theme || 'auto';
+  const show = () => { button.textContent = { auto: '◐ Auto', light: '☀ Light', dark: '☾ Dark' }[current()]; };
+  button.onclick = () => {
+    const next = states[(states.indexOf(current()) + 1) % 3];
+    if (next === 'auto') delete document.documentElement.dataset.theme;
+    else document.documentElement.dataset.theme = next;
+    try { localStorage.setItem('plumbline-theme', next); } catch { /* storage may be closed to files */ }
+    show();
+  };
+  button.hidden = false;
+  show();
+}
+
+// ---- Copying ----
+async function copy(text, button) {
+  try {
+    await navigator.clipboard.writeText(text);
+  } catch {  // pages opened from a disk may lack the clipboard
+    const area = make('textarea', { value: text });
+    document.body.append(area);
+    area.select();
+    document.execCommand('copy');
+    area.remove();
+  }
+  const before = button.textContent;
+  button.textContent = 'Copied';
+  byId('said').textContent = 'Copied';
+  setTimeout(() => { button.textContent = before; byId('said').textContent = ''; }, 1200);
+}
+const copyButton = (text, label = 'Copy') => {
+  const button = make('button', { type: 'button', className: 'copy', title: text }, label);
+  button.onclick = () => copy(text, button);
+  return button;
+};
+for (const box of all('.cmd')) box.append(copyButton(box.textContent));
+
+// ---- Rays ----
+// The packing is described in html_rays.cpp.
+const data = JSON.parse(byId('data').textContent);
+const kVerdicts = ['agree', 'tie', 'grazing', 'reference_wrong', 'undefined', 'leak', 'tracer_wrong', 'capped'];
+const kFields = ['verdict', 'index', 'origin', 'direction', 't_max', 'tracer', 'reference', 'exact', 'reason', 'margin', 'bound', 'replay'];
+const number = text => text === '' ? NaN : Number(text.replaceAll(',', ''));
+function unpack([owner, text, numbers]) {
+  const words = numbers.split(' ');
+  let next = 0;
+  const lines = data.texts[text].replace(/\u0001/g, () => words[next++]).split('\n');
+  const ray = { owner, name: data.names[owner], id: data.ids[owner] };
+  kFields.forEach((field, i) => { ray[field] = lines[i]; });
+  ray.replay = ray.replay.replace('\u0002', ray.origin).replace('\u0003', ray.direction);
+  ray.ratio = number(ray.margin) / number(ray.bound);
+  return ray;
+}
+const raysOf = new Map();
+for (const packed of data.rays) {
+  const id = data.ids[packed[0]];
+  if (!raysOf.has(id)) raysOf.set(id, []);
+  raysOf.get(id).push(packed);
+}
+
+// A hex float as the shortest decimal that is the same 32-bit float.
+function decimal(hex) {
+  const parts = /^([+-]?)0x([0-9a-f]+)\.?([0-9a-f]*)p([+-]?\d+)$/i.exec(hex.trim());
+  if (!parts) return hex;
+  const value = (parts[1] === '-' ? -1 : 1) * parseInt(parts[2] + parts[3], 16) * 2 ** (Number(parts[4]) - 4 * parts[3].length);
+  if (Object.is(value, -0)) return '-0';
+  for (let digits = 1; digits <= 17; ++digits) {
+    const text = value.toPrecision(digits);
+    const near = Number(text);
+    if (near === value || (Math.fround(value) === value && Math.fround(near) === value)) return String(near);
+  }
+  return String(value);
+}
+const decimals = text => text.split(',').map(decimal).join(', ');
+const verdictOrder = verdict => { const i = kVerdicts.indexOf(verdict); return i < 0 ? kVerdicts.length : i; };
+const verdictChip = verdict => make('span', { className: 'chip' },
+  make('i', { className: kVerdicts.includes(verdict) ? 'v-' + verdict : 'v-other' }), verdict);
+
+const kColumns = [
+  { name: 'verdict', key: r => verdictOrder(r.verdict), cell: r => verdictChip(r.verdict) },
+  { name: 'case', key: r => r.name, cell: r => make('a', { href: '#' + r.id }, r.name), when: o => o.withCase },
+  { name: 'ray', number: true, key: r => Number(r.index), cell: r => Number(r.index).toLocaleString('en') },
+  { name: 'origin, direction, t_max', className: 'ray', cell: (r, hex) => {
+    const cell = document.createDocumentFragment();
+    for (const [label, text] of [['o', r.origin], ['d', r.direction], ['t', r.t_max]]) {
+      if (cell.childNodes.length) cell.append(make('br'));
+      cell.append(make('b', {}, label + ' '), make('span', { title: hex ? decimals(text) : text }, hex ? text.replaceAll(',', ', ') : decimals(text)));
+    }
+    return cell;
+  } },
+  { name: 'tracer', className: 'say', key: r => r.tracer, cell: r => r.tracer },
+  { name: 'reference', className: 'say', key: r => r.reference, cell: r => r.reference },
+  { name: 'exact', className: 'say', key: r => r.exact, cell: r => r.exact, when: (o, rays) => rays.some(r => r.exact) },
+  { name: 'reason', className: 'why', key: r => r.reason, cell: r => r.reason },
+  { name: 'margin / bound', number: true, key: r => r.ratio, when: (o, rays) => rays.some(r => r.bound),
+    cell: r => r.bound ? `${r.margin || 0} / ${r.bound} = ${(r.ratio || 0).toPrecision(2)}` : '' },
+  { name: 'replay', cell: r => r.replay ? copyButton(r.replay, 'Copy command') : '' },
+];
+const kPage = 50;
+
+// Fills `mount` with a table of rays that can be sorted and filtered.
+function mountRays(mount, packed, options) {
+  const rays = packed.map(unpack).filter(r => !options.verdict || r.verdict === options.verdict);
+  const columns = kColumns.filter(c => !c.when || c.when(options, rays));
+  let sorted = rays, shown = kPage, hex = true;
+  const filter = make('input', { type: 'search', placeholder: 'Filter rays', ariaLabel: 'Filter rays' });
+  const verdicts = [...new Set(rays.map(r => r.verdict))].sort((a, b) => verdictOrder(a) - verdictOrder(b));
+  const select = make('select', { ariaLabel: 'Verdict' }, make('option', { value: '' }, 'all verdicts'),
+    ...verdicts.map(v => make('option', { value: v }, `${v} (${rays.filter(r => r.verdict === v).length.toLocaleString('en')})`)));
+  const base = make('button', { type: 'button' }, 'Show decimals');
+  const count = make('span', { className: 'soft', ariaLive: 'polite' });
+  const more = make('button', { type: 'button', className: 'more' }, 'Show more');
+  const body = make('tbody');
+  const head = make('tr');
+  for (const column of columns) {
+    const cell = make('th', { scope: 'col', className: column.number ? 'n' : '' });
+    if (column.key) {
+      const button = make('button', { type: 'button' }, column.name);
+      button.onclick = () => {
+        const down = cell.getAttribute('aria-sort') === 'ascending';
+        for (const other of head.children) other.removeAttribute('aria-sort');
+        cell.setAttribute('aria-sort', down ? 'descending' : 'ascending');
+        const sign = down ? -1 : 1;
+        const order = (a, b) => {
+          const x = column.key(a), y = column.key(b);
+          if (typeof x === 'string') return sign * x.localeCompare(y, 'en', { numeric: true });
+          if (Number.isNaN(x) || Number.isNaN(y)) return Number.isNaN(x) - Number.isNaN(y);  // what has no number comes last
+          return sign * (x - y);
+        };
+        sorted = [...rays].sort(order);
+        draw();
+      };
+      cell.append(button);
+    } else {
+      cell.append(column.name);
+    }
+    head.append(cell);
+  }
+  function draw() {
+    const words = filter.value.toLowerCase().split(/\s+/).filter(Boolean);
+    const kept = sorted.filter(r => (!select.value || r.verdict === select.value) &&
+      words.every(w => (kFields.map(f => r[f]).join(' ') + ' ' + r.name).toLowerCase().includes(w)));
+    body.replaceChildren(...kept.slice(0, shown).map(ray => {
+      const row = make('tr');
+      for (const column of columns) {
+        const cell = make('td', { className: column.number ? 'n' : column.className || '' });
+        cell.append(column.cell(ray, hex));
+        if (cell.textContent) cell.dataset.name = column.name;
+        row.append(cell);
+      }
+      return row;
+    }));
+    count.textContent = kept.length === 1 ? '1 ray' : kept.length.toLocaleString('en') + ' rays';
+    more.hidden = kept.length <= shown;
+  }
+  filter.oninput = select.onchange = () => { shown = kPage; draw(); };
+  base.onclick = () => { hex = !hex; base.textContent = hex ? 'Show decimals' : 'Show hex floats'; draw(); };
+  more.onclick = () => { shown += 4 * kPage; draw(); };
+  const tools = make('div', { className: 'tools' }, filter);
+  if (verdicts.length > 1) tools.append(select);
+  tools.append(base, count);
+  const scroll = make('div', { className: 'scroll', tabIndex: 0, role: 'region', ariaLabel: 'Rays' },
+    make('table', { className: 'raytable' }, make('thead', {}, head), body));
+  mount.append(tools, scroll, more);
+  draw();
+}
+
+// Built when it comes near the window, or when its case is opened: the page itself opens at once.
+const soon = new IntersectionObserver(entries => {
+  for (const { isIntersecting, target } of entries) {
+    if (!isIntersecting) continue;
+    soon.unobserve(target);
+    if (target.dataset.case) mountRays(target, raysOf.get(target.dataset.case) || [], {});
+    else mountRays(target, data.rays, { withCase: true, verdict: target.dataset.verdict });
+  }
+}, { rootMargin: '400px' });
+for (const mount of all('.rays')) soon.observe(mount);
+
+// ---- Cases ----
+const cases = all('.case');
+if (byId('case-tools')) {
+  const filter = make('input', { type: 'search', placeholder: 'Filter cases by name or text', ariaLabel: 'Filter cases' });
+  const count = make('span', { className: 'soft', ariaLive: 'polite' });
+  const states = ['passed', 'failed', 'error', 'skipped'].filter(s => cases.some(c => c.classList.contains('s-' + s)));
+  const select = make('select', { ariaLabel: 'Status' }, make('option', { value: '' }, 'all'), ...states.map(s => make('option', { value: s }, s)));
+  const texts = cases.map(c => c.textContent.toLowerCase());
+  const draw = () => {
+    const words = filter.value.toLowerCase().split(/\s+/).filter(Boolean);
+    let kept = 0;
+    cases.forEach((c, i) => {
+      c.hidden = !((!select.value || c.classList.contains('s-' + select.value)) && words.every(w => texts[i].includes(w)));
+      kept += !c.hidden;
+    });
+    for (const group of all('.group')) group.hidden = !group.querySelector('.case:not([hidden])');
+    count.textContent = kept === cases.length ? '' : `${kept} of ${cases.length}`;
+  };
+  filter.oninput = select.onchange = draw;
+  const open = make('button', { type: 'button' }, 'Open failed');
+  open.onclick = () => { for (const c of cases) c.open = !c.hidden && (c.classList.contains('s-failed') || c.classList.contains('s-error')); };
+  const close = make('button', { type: 'button' }, 'Close all');
+  close.onclick = () => { for (const c of cases) c.open = false; };
+  const tools = byId('case-tools');
+  tools.className = 'tools';
+  tools.append(filter);
+  if (states.length > 1) tools.append(select);
+  if (states.includes('failed') || states.includes('error')) tools.append(open);
+  tools.append(close, count);
+}
+// A link to a case opens it, also where a filter hides it.
+function follow() {
+  const target = byId(decodeURIComponent(location.hash.slice(1)));
+  if (!target || !target.classList.contains('case')) return;
+  target.hidden = target.closest('.group').hidden = false;
+  target.open = true;
+  target.scrollIntoView();
+  target.querySelector('summary').focus({ preventScroll: true });
+}
+addEventListener('hashchange', follow);
+document.addEventListener('click', event => {
+  const link = event.target.closest('a[href^="#case-"]');
+  if (link && link.hash === location.hash) follow();  // a second click changes no address
+});
+follow();
+addEventListener('beforeprint', () => { for (const c of cases) if (c.classList.contains('s-failed')) c.open = true; });
+
+// ---- Pictures ----
+{
+  const dialog = byId('viewer'), stage = dialog.querySelector('.stage'), image = stage.querySelector('img');
+  const title = dialog.querySelector('b'), readout = dialog.querySelector('.pixel'), hint = dialog.querySelector('.click');
+  let list = [], at = 0, zoom = 1, left = 0, top = 0, drag = null;
+  const place = () => { image.style.transform = `translate(${left}px, ${top}px) scale(${zoom})`; };
+  const fit = () => {
+    const { clientWidth: w, clientHeight: h } = stage;
+    const exact = Math.min(w / image.naturalWidth, h / image.naturalHeight);
+    zoom = exact >= 1 ? Math.floor(exact) : exact;  // whole pixels stay square
+    left = (w - zoom * image.naturalWidth) / 2;
+    top = (h - zoom * image.naturalHeight) / 2;
+    place();
+  };
+  const show = (index, keep) => {
+    at = (index + list.length) % list.length;
+    const source = list[at];
+    title.textContent = source.alt;
+    readout.textContent = '';
+    hint.textContent = source.dataset.explain ? 'A click copies the command that explains the pixel.' : '';
+    image.alt = source.alt;
+    image.onload = keep ? null : fit;
+    image.src = source.src;
+  };
+  const scale = (factor, x = stage.clientWidth / 2, y = stage.clientHeight / 2) => {
+    const next = Math.min(64, Math.max(0.1, zoom * factor));
+    left = x - (x - left) * next / zoom;
+    top = y - (y - top) * next / zoom;
+    zoom = next;
+    place();
+  };
+  const pixel = event => {
+    const box = stage.getBoundingClientRect();
+    const x = Math.floor((event.clientX - box.left - left) / zoom), y = Math.floor((event.clientY - box.top - top) / zoom);
+    return x >= 0 && y >= 0 && x < image.naturalWidth && y < image.naturalHeight ? [x, y] : null;
+  };
+  const steps = { back: () => show(at - 1, true), next: () => show(at + 1, true), in: () => scale(2), out: () => scale(0.5), close: () => dialog.close() };
+  for (const button of all('button[data-do]', dialog)) button.onclick = steps[button.dataset.do];
+  dialog.onkeydown = event => {
+    const step = { ArrowLeft: 'back', ArrowRight: 'next', '+': 'in', '=': 'in', '-': 'out' }[event.key];
+    if (step) { event.preventDefault(); steps[step](); }
+  };
+  stage.addEventListener('wheel', event => {
+    event.preventDefault();
+    const box = stage.getBoundingClientRect();
+    scale(event.deltaY < 0 ? 1.25 : 0.8, event.clientX - box.left, event.clientY - box.top);
+  }, { passive: false });
+  stage.onpointerdown = event => { drag = { x: event.clientX, y: event.clientY, left, top, moved: false }; stage.setPointerCapture(event.pointerId); };
+  stage.onpointermove = event => {
+    const found = pixel(event);
+    readout.textContent = found ? `pixel ${found[0]}, ${found[1]}` : '';
+    if (!drag) return;
+    drag.moved ||= Math.abs(event.clientX - drag.x) + Math.abs(event.clientY - drag.y) > 4;
+    if (!drag.moved) return;
+    left = drag.left + event.clientX - drag.x;
+    top = drag.top + event.clientY - drag.y;
+    place();
+  };
+  stage.onpointerup = event => {
+    const clicked = drag && !drag.moved && pixel(event), command = list[at].dataset.explain;
+    drag = null;
+    if (clicked && command) copy(`${command} ${clicked[0]},${clicked[1]}`, readout);
+  };
+  for (const figures of all('.pictures')) {
+    const pictures = all('img', figures);
+    pictures.forEach((picture, i) => {
+      picture.tabIndex = 0;
+      picture.setAttribute('role', 'button');
+      picture.onclick = () => { list = pictures; dialog.showModal(); show(i, false); };
+      picture.onkeydown = event => { if (event.key === 'Enter') picture.click(); };
+    });
+  }
+}

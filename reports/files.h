@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+// Whole text files: read at once, and written so that a reader never sees half of one.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace plumbline {
+
+/// Throws InputError that says what to do, where the file is missing, unreadable or a folder.
+std::string read_text(const std::filesystem::path& file);
+
+/// Writes a temporary file beside `file` and renames it. Makes the folder where it is missing.
+/// Throws EnvironmentError where the disk refuses; then `file` is as it was before.
+void write_text(const std::filesystem::path& file, std::string_view text);
+
+/// Throws EnvironmentError where the folder cannot be made.
+void make_folder(const std::filesystem::path& folder);
+
+}  // namespace plumbline
