@@ -11,14 +11,20 @@
 
 namespace plumbline {
 
+/// TreeOptions::split_long: build with several values and keep the tree that the cost model likes best.
+inline constexpr float kSplitBest = -1.0f;
+
 struct TreeOptions {
-  int leaf_size = 4;        ///< primitives per leaf at most, 1 to 8
-  int width = 0;            ///< children per node at most, 2 or more; 0: as many as the cost model likes
-  float split_long = 0.0f;  ///< triangles whose longest edge exceeds this share of the scene's radius are split before
-                            ///< the build (the references, not the triangles); 0: none
+  int leaf_size = 4;  ///< primitives per leaf at most, 1 to kMaxLeafSize
+  int width = 0;      ///< children per node at most, 2 or more; 0: as many as the cost model likes
+  /// Triangles whose longest edge exceeds this share of the scene's radius are split before the build (the references,
+  /// not the triangles); 0: none. Splitting never changes an answer, see tree_references.cpp. SphereTree::options tells
+  /// what kSplitBest has chosen.
+  float split_long = kSplitBest;
 };
 
-/// One node. A leaf has no children. Bounds hold everything below, as exact sets, rounded outwards to float.
+/// One node. A leaf has no children. Bounds hold everything below, as exact sets, rounded outwards to float; of a split
+/// triangle they hold the parts that stand below, and the parts cover the triangle.
 struct TreeNode {
   glm::vec3 center{0.0f};
   float radius = 0.0f;                 ///< of a ball that contains all primitives below
@@ -33,7 +39,7 @@ struct TreeNode {
 struct SphereTree {
   /// nodes[0] is the root; empty for an empty scene.
   std::vector<TreeNode> nodes;
-  /// Primitive numbers in leaf order; a split triangle stands in several leaves.
+  /// Primitive numbers in leaf order; a split triangle stands in several leaves, at most once in each.
   std::vector<std::uint32_t> references;
   TreeOptions options;
 };
@@ -50,8 +56,9 @@ SphereTree build_sphere_tree(const Scene& scene, const TreeOptions& options = {}
 inline constexpr double kStepCost = 1.0;
 inline constexpr double kLeafCost = 1.0;
 inline constexpr double kPrimitiveCost = 1.0;
-/// Wider nodes are never built: the cost model has no use for them.
+/// Bounds on TreeOptions. Wider nodes are never built: the cost model has no use for them.
 inline constexpr int kMaxTreeWidth = 16;
+inline constexpr int kMaxLeafSize = 8;
 
 /// The expected number of things that a random line through the root's ball meets: what the builder minimises.
 struct TreeCost {

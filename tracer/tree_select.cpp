@@ -17,11 +17,28 @@ namespace {
 constexpr int kMaxForest = kMaxTreeWidth;
 static_assert(kMaxForest <= 16);
 
-/// forest[k - 1]: the least cost of a node's subtree as k kept nodes, their own spheres' tests not counted.
-struct Forests {
+/// What is known of a node's subtree while its parent is waited for.
+struct Below {
+  /// forest[k - 1]: the least cost as k kept nodes, the tests of their own spheres not counted.
   std::array<double, kMaxForest> forest;
-  int size = 0;
+  int forests = 0;
+  /// The distinct primitives, ascending; primitive_count is above kMaxLeafSize where there are too many for any leaf.
+  /// Parts of one split triangle count once: where splitting did not pay, a leaf makes the triangle whole again.
+  std::array<std::uint32_t, kMaxLeafSize> primitives;
+  int primitive_count = 0;
 };
+
+void merge_primitives(const Below& first, const Below& second, Below& result) {
+  result.primitive_count = kMaxLeafSize + 1;
+  if (first.primitive_count > kMaxLeafSize || second.primitive_count > kMaxLeafSize) return;
+  std::array<std::uint32_t, 2 * kMaxLeafSize> both;
+  const auto end =
+      std::set_union(first.primitives.begin(), first.primitives.begin() + first.primitive_count,
+                     second.primitives.begin(), second.primitives.begin() + second.primitive_count, both.begin());
+  if (end - both.begin() > kMaxLeafSize) return;
+  result.primitive_count = static_cast<int>(end - both.begin());
+  std::copy(both.begin(), end, result.primitives.begin());
+}
 
 /// How a node's cheapest trees are had.
 struct Choice {
@@ -31,20 +48,22 @@ struct Choice {
 
 int first_part(const Choice& choice, int k) { return static_cast<int>(choice.first_part >> (4 * (k - 2)) & 15u); }
 
-Choice choose(const BinaryNode& node, const Forests* first, const Forests* second, const TreeOptions& options,
-              int width, Forests& result) {
+/// The choice for `node` from what is known of its children, `first` and `second` (null: a single reference), and what
+/// is then known of it; `result.primitives` is already there.
+Choice choose(const BinaryNode& node, const Below* first, const Below* second, const TreeOptions& options, int width,
+              Below& result) {
   Choice choice;
   const double radius2 = static_cast<double>(node.radius) * node.radius;
   double best = std::numeric_limits<double>::infinity();
-  if (node.count <= static_cast<std::uint32_t>(options.leaf_size))
-    best = radius2 * (kLeafCost + node.count * kPrimitiveCost);
-  result.size = 1;
+  if (result.primitive_count <= options.leaf_size)
+    best = radius2 * (kLeafCost + result.primitive_count * kPrimitiveCost);
+  result.forests = 1;
   if (first) {
-    result.size = std::min(width, first->size + second->size);
-    for (int k = 2; k <= result.size; ++k) {
+    result.forests = std::min(width, first->forests + second->forests);
+    for (int k = 2; k <= result.forests; ++k) {
       double least = std::numeric_limits<double>::infinity();
       int from_first = 0;
-      for (int i = std::max(1, k - second->size); i <= std::min(k - 1, first->size); ++i) {
+      for (int i = std::max(1, k - second->forests); i <= std::min(k - 1, first->forests); ++i) {
         const double cost = first->forest[i - 1] + second->forest[k - i - 1];
         if (cost < least) least = cost, from_first = i;
       }
@@ -83,9 +102,13 @@ struct Emitter {
     std::vector<std::uint32_t> kept;
     if (choices[at].children == 0) {
       node.first_reference = static_cast<std::uint32_t>(tree.references.size());
-      node.reference_count = from.count;
-      for (std::uint32_t i = 0; i < from.count; ++i)
-        tree.references.push_back(references.list[from.first + i].primitive);
+      for (std::uint32_t i = 0; i < from.count; ++i) {
+        const std::uint32_t primitive = references.list[from.first + i].primitive;
+        const auto begin = tree.references.begin() + node.first_reference;
+        if (std::find(begin, tree.references.end(), primitive) == tree.references.end())
+          tree.references.push_back(primitive);
+      }
+      node.reference_count = static_cast<std::uint32_t>(tree.references.size()) - node.first_reference;
     } else {
       const int k = choices[at].children, from_first = first_part(choices[at], k);
       collect(at + 1, from_first, kept);
@@ -109,16 +132,19 @@ SphereTree select_nodes(const std::vector<BinaryNode>& nodes, const References& 
   const int width = options.width == 0 ? kMaxForest : std::min(options.width, kMaxForest);
   std::vector<Choice> choices(nodes.size());
   // Backwards through a depth-first order the two children of a node are the last two that are still waiting.
-  std::vector<Forests> waiting;
+  std::vector<Below> waiting;
   for (std::size_t at = nodes.size(); at-- > 0;) {
-    Forests result;
+    Below result;
     if (nodes[at].second_child == 0) {
+      result.primitives[0] = references.list[nodes[at].first].primitive;
+      result.primitive_count = 1;
       choices[at] = choose(nodes[at], nullptr, nullptr, options, width, result);
     } else {
       PLUMBLINE_ASSERT(waiting.size() >= 2);
-      const Forests first = waiting.back(), second = waiting[waiting.size() - 2];
-      waiting.resize(waiting.size() - 2);
+      const Below &first = waiting.back(), &second = waiting[waiting.size() - 2];
+      merge_primitives(first, second, result);
       choices[at] = choose(nodes[at], &first, &second, options, width, result);
+      waiting.resize(waiting.size() - 2);
     }
     waiting.push_back(result);
   }

@@ -14,9 +14,9 @@
 namespace plumbline {
 namespace {
 
-constexpr int kBins = 32;
+constexpr int kBins = 64;
 /// Up to this many references every position along every axis is tried.
-constexpr std::uint32_t kSweepCount = 512;
+constexpr std::uint32_t kSweepCount = 64;
 /// From this depth on nodes are halved by count. A tree is then at most kMaxSplitDepth + 32 deep, whatever the scene.
 constexpr int kMaxSplitDepth = 64;
 /// A subtree of at most this share of all references is one task.
@@ -92,9 +92,8 @@ std::uint32_t split_swept(std::span<Reference> list) {
   std::array<double, kSweepCount> above;  // above[i]: squared diagonal of all from i on
   double best_cost = std::numeric_limits<double>::infinity();
   std::uint32_t best_count = n / 2;
-  for (int order = 0; order < 4; ++order) {
-    for (std::uint32_t i = 0; i < n; ++i)
-      keys[i] = {order < 3 ? middle(list[i].box, order) : static_cast<float>(std::sqrt(list[i].box.diagonal2())), i};
+  for (int axis = 0; axis < 3; ++axis) {
+    for (std::uint32_t i = 0; i < n; ++i) keys[i] = {middle(list[i].box, axis), i};
     std::sort(keys.begin(), keys.begin() + n);
     Box box;
     for (std::uint32_t i = n - 1; i > 0; --i) {
@@ -102,7 +101,7 @@ std::uint32_t split_swept(std::span<Reference> list) {
       above[i] = box.diagonal2();
     }
     box = {};
-    bool better = order == 0;
+    bool better = axis == 0;
     for (std::uint32_t i = 1; i < n; ++i) {
       box.add(list[keys[i - 1].index].box);
       const double cost = i * box.diagonal2() + (n - i) * above[i];
@@ -204,6 +203,7 @@ std::vector<BinaryNode> split_references(References& references, int threads) {
 }
 
 void fit_balls(std::vector<BinaryNode>& nodes, const References& references, int threads) {
+  if (nodes.empty()) return;
   // The balls in the order of the references, so that each node's are one run; the end of each reference's run.
   std::vector<FloatBall> balls;
   std::vector<std::uint32_t> first_ball(references.list.size() + 1, 0);

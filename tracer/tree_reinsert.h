@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+// Between the stages of the build: what greedy splits got wrong is put right by moving subtrees to better places.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "tracer/tree_split.h"
+
+namespace plumbline {
+
+/// No binary tree is deeper than this, whatever the scene: functions may recurse over it.
+inline constexpr int kMaxBinaryDepth = 128;
+
+/// Takes subtrees out and puts them back where the sum of squared diagonals over all inner nodes falls most (Bittner,
+/// Hapala and Havran 2013), the largest first, pass after pass while that pays. Reorders `references.list` and `nodes`,
+/// which stay in depth-first order. At most `max_moves_tried` places are looked for: the work is bounded, not the
+/// result.
+void reinsert_subtrees(std::vector<BinaryNode>& nodes, References& references, std::size_t max_moves_tried);
+
+}  // namespace plumbline
