@@ -119,10 +119,8 @@ bool find_triangle(Filter& filter, const Item& item, double reach, const Range& 
     found.meeting = {&item, Root::enter, t};
   }
   if (!measure_triangle(filter, solid, reach, pass.meets, crossing)) return false;
-  const double slack = range.last - line.t_max;
-  if (!pass.meets &&
-      !(crossing.t_leave / line.unit > range.first && crossing.t_enter / line.unit <= line.t_max + slack))
-    return false;
+  const bool abreast = crossing.t_leave / line.unit > range.first && crossing.t_enter / line.unit <= range.last;
+  if (!pass.meets && !abreast) return false;
   crossing.facing = filter.facing(solid);
   crossing.in_plane = crossing.facing == 0 && filter.in_plane(solid);
   return true;

@@ -21,7 +21,7 @@ namespace plumbline {
 namespace {
 
 constexpr unsigned kTriangleGeometry = 0, kSphereGeometry = 1;
-constexpr std::size_t kBlock = 256;  ///< rays that one task converts, traces and evaluates at a time
+constexpr std::size_t kBlock = 64;  ///< rays that one task converts, traces and evaluates at a time
 
 struct Center {
   glm::dvec3 center;

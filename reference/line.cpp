@@ -22,7 +22,7 @@ Line line_near(const Ray& ray, const Ball& ball) {
   const std::uint64_t exponent = std::bit_cast<std::uint64_t>(largest) >> 52;
   line.unit = std::bit_cast<double>((2046 - exponent) << 52);
   line.direction = direction * line.unit;
-  line.t_max = static_cast<double>(ray.t_max) / line.unit;
+  line.t_max = static_cast<double>(ray.t_max) * std::bit_cast<double>(exponent << 52);
   line.point = origin;
 
   const glm::dvec3 to_center = ball.center - origin;
