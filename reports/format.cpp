@@ -67,9 +67,13 @@ void append_escaped(std::string& out, std::string_view character) {
 }  // namespace
 
 std::string grouped(std::uint64_t count) {
-  std::string digits = std::to_string(count);
-  for (std::size_t i = digits.size(); i > 3; i -= 3) digits.insert(i - 3, ",");
-  return digits;
+  const std::string digits = std::to_string(count);
+  std::string out;
+  for (std::size_t i = 0; i < digits.size(); ++i) {
+    if (i > 0 && (digits.size() - i) % 3 == 0) out += ',';
+    out += digits[i];
+  }
+  return out;
 }
 
 std::string counted(std::uint64_t count, std::string_view singular) {
@@ -117,8 +121,7 @@ std::string value_text(double value) {
   if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
   const double size = std::fabs(value);
   if (size >= 999.95 && size < 1e15) {
-    const std::string digits = grouped(static_cast<std::uint64_t>(std::llround(size)));
-    return value < 0 ? "-" + digits : digits;
+    return (value < 0 ? "-" : "") + grouped(static_cast<std::uint64_t>(std::llround(size)));
   }
   return printed("%.4g", value);
 }
@@ -136,8 +139,8 @@ std::string html_escape(std::string_view text) {
   std::string out;
   out.reserve(text.size());
   for_each_character(text, [&](std::string_view character) {
-    // U+0000 is the one character that HTML cannot hold.
-    if (character[0] == '\0')
+    const auto first = static_cast<unsigned char>(character[0]);
+    if (first < 0x20 && first != '\t' && first != '\n' && first != '\r')
       out += kReplacement;
     else
       append_escaped(out, character);

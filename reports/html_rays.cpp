@@ -63,9 +63,12 @@ std::string cut_numbers(std::string_view text, std::string& numbers) {
       continue;
     }
     if (has_digit) {
-      if (!numbers.empty()) numbers += ' ';
-      numbers += text.substr(i, end - i);
-      sentence += '\1';
+      std::string word(text.substr(i, end - i));
+      const std::size_t sign = word[0] == '-' ? 1 : 0;
+      const bool is_hex = word.compare(sign, 4, "0x1.") == 0 && word.size() > sign + 4;
+      if (is_hex) word.erase(sign, 4);
+      numbers += (numbers.empty() ? "" : " ") + word;
+      sentence += is_hex ? '\4' : '\1';
     } else {
       sentence += text.substr(i, end - i);
     }

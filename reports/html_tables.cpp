@@ -134,8 +134,7 @@ std::string stacked_bar(const VerdictCounts& counts, std::uint64_t full, bool wi
   for (const Part& part : parts) {
     const double width = part.width * std::min(1.0, 100.0 / sum);
     rects += "<rect class=\"" + verdict_class(part.name) + "\" x=\"" + fixed(x, 1) + "%\" width=\"" + fixed(width, 1) +
-             "%\" height=\"100%\"><title>" + html_escape(part.name) + ": " + counted(counts.at(part.name), "ray") +
-             "</title></rect>";
+             "%\"/>";
     x += width;
   }
   return "<svg class=\"stack\" aria-hidden=\"true\">" + rects + "</svg>";

@@ -66,6 +66,12 @@ Json to_json(const Figure& figure) {
   return out;
 }
 
+Json to_json(const DriverFinding& finding) {
+  return {{"name", finding.name}, {"found", finding.found}, {"detail", finding.detail}};
+}
+
+Json to_json(const CaseRecord& record);
+
 template <typename Record>
 Json list(const std::vector<Record>& records) {
   Json out = Json::array();
@@ -92,10 +98,6 @@ Json to_json(const CaseRecord& record) {
           {"worst", list(record.worst)},
           {"pictures", list(record.pictures)},
           {"figures", list(record.figures)}};
-}
-
-Json to_json(const DriverFinding& finding) {
-  return {{"name", finding.name}, {"found", finding.found}, {"detail", finding.detail}};
 }
 
 Json header_to_json(const RunRecord& run, std::string_view format) {

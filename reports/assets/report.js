@@ -58,7 +58,10 @@ const number = text => text === '' ? NaN : Number(text.replaceAll(',', ''));
 function unpack([owner, text, numbers]) {
   const words = numbers.split(' ');
   let next = 0;
-  const lines = data.texts[text].replace(/\u0001/g, () => words[next++]).split('\n');
+  const lines = data.texts[text].replace(/[\u0001\u0004]/g, mark => {
+    const word = words[next++];
+    return mark === '\u0001' ? word : word.startsWith('-') ? '-0x1.' + word.slice(1) : '0x1.' + word;
+  }).split('\n');
   const ray = { owner, name: data.names[owner], id: data.ids[owner] };
   kFields.forEach((field, i) => { ray[field] = lines[i]; });
   ray.replay = ray.replay.replace('\u0002', ray.origin).replace('\u0003', ray.direction);
