@@ -1,5 +1,47 @@
 // SPDX-License-Identifier: MIT
-// The geometry image: a sphere tree and its primitives baked into one RGBA32F texture that a shader walks without a stack.
+// The geometry image: a sphere tree and its primitives baked into one RGBA32F texture that a shader walks without a
+// stack. This header is the only place where the format is written down; its constants reach the GLSL from here.
+//
+// Units. World coordinates times 2^scale_exponent, an exact power of two that is 1 unless the scene's radius lies
+// outside [2^-20, 2^20]. All bounds are padded, so that no primitive is lost that the shader's own arithmetic accepts
+// (pad.h).
+//
+// Primitives stand after the nodes, cluster by cluster (a cluster is what one leaf holds), each in `primitive_stride`
+// units:
+//
+//   triangle   P0 = corner 0, label     P1 = corner 1, kind 0     P2 = corner 2, 0
+//   sphere     P0 = centre, label       P1 = radius, 0, 0, kind 1
+//   label      the primitive's number + 1, exact as float; negative on the last primitive of its cluster
+//
+// Layout `compact`. Texel i stands at (i mod width, i / width).
+//   texels 0 .. copy_count * copy_texels - 1     the nodes: one depth-first copy of the tree (links `threaded`), or one
+//   per octant
+//                                                of directions (links `octant`: bit a of the octant is set where
+//                                                direction component a is negative; children stand front to back), each
+//                                                closed by an end texel
+//   then, from `primitive_start`                 primitive k: P0, P1(, P2) at primitive_start + primitive_stride * k
+//   A node with bounds `sphere` is one texel: the centre and a word. The word is a float whose absolute value is at
+//   least the squared radius: its low `payload_bits` bits were set first, then the smallest bits above them that make
+//   it so. With bounds `aabb` a node is two texels: lower corner and word, upper corner and 0; here the bits above the
+//   payload are 0 but for the sign and kWordBase.
+//     sign bit 0   inner node: the payload is the distance in texels to the next node where this one is not hit; where
+//     it is hit, the
+//                  next node follows at once
+//     sign bit 1   leaf: the payload is k of the cluster's first primitive; hit or not, the next node follows at once
+//   The end texel's word is -infinity: a leaf that no ray misses.
+//
+// Layout `paper` (the paper, section 4). Cell (x, y) is texels (x, 2y) and (x, 2y + 1), one above the other; cell i
+// stands at (i mod width, i / width).
+//   node         top: centre, squared radius rounded up (bounds `aabb`: two cells side by side on an even x: lower
+//   corner, 0 | upper corner, 0)
+//                below: in link, out link
+//   primitive    `primitive_stride` cells side by side on an x divisible by it: top P0(, P1), below P1 or P2
+//   link         (x + 0.5) / width + K, (2y + 0.5) / height: the half texel is baked in; the integer K tells what is
+//   reached:
+//                0 a node, kLinkTriangle or kLinkSphere the first primitive of a cluster (spheres may follow triangles
+//                in it), kLinkEnd the end
+//   Traversal starts at the copy's first cell. The in link of a leaf leads to its cluster; after the cluster comes the
+//   out link of the leaf. Chains that would end are ended at once. The copies of links `octant` share the primitives.
 #pragma once
 
 #include <cstdint>
@@ -13,6 +55,14 @@
 
 namespace plumbline {
 
+inline constexpr int kGeometryImageVersion = 1;
+inline constexpr std::uint32_t kWordBase = 0x3f800000u;  ///< compact, aabb: makes every word a normal float
+inline constexpr std::uint32_t kEndWord = 0xff800000u;   ///< compact: -infinity
+inline constexpr int kMaxPayloadBits = 23;  ///< compact: at least the exponent of the squared radius is kept
+inline constexpr float kKindTriangle = 0.0f, kKindSphere = 1.0f;
+inline constexpr int kLinkTriangle = -1, kLinkSphere = -2, kLinkEnd = -3;
+inline constexpr std::uint32_t kMaxPrimitives = (1u << 24) - 2;  ///< labels are exact floats
+
 enum class Layout { paper, compact };
 enum class Bounds { sphere, aabb };
 enum class Links { threaded, octant };
@@ -21,18 +71,56 @@ struct BakeOptions {
   Layout layout = Layout::compact;
   Bounds bounds = Bounds::sphere;
   Links links = Links::octant;
-  int width = 512;  ///< texels, a power of two; grows to what the tree needs
+  int width = 512;  ///< texels, a power of two, 16 to 16384; grows to what the tree needs
   TreeOptions tree;
 };
 
 struct GeometryImage {
   BakeOptions options;
-  int width = 0, height = 0;        ///< texels, powers of two
-  std::vector<glm::vec4> texels;    ///< width * height, row by row, row 0 first
-  std::uint32_t cell_count = 0;     ///< the longest walk: the cap of the traversal loop
-  glm::vec3 center{0.0f};           ///< of the scene's ball; far rays are moved near it before they walk
-  float radius = 0.0f;
-  // (more metadata as the layouts need: where each octant's copy starts, bits of the packed word, primitive count, scene name)
+  std::string scene_name;
+  int width = 0, height = 0;      ///< texels, powers of two
+  std::vector<glm::vec4> texels;  ///< width * height, row by row, row 0 first
+  std::uint32_t cell_count =
+      0;                   ///< nodes that the longest walk visits, the end included: the cap of the traversal loop
+  glm::vec3 center{0.0f};  ///< of the scene's ball, in the image's units; far rays are moved near it before they walk
+  float radius = 0.0f;     ///< likewise, rounded up
+  int scale_exponent = 0;  ///< image units = world units * 2^scale_exponent
+  std::uint32_t triangle_count = 0;  ///< triangles with area in the image, copies by splitting not counted
+  std::uint32_t sphere_count = 0;
+  std::uint32_t primitive_count = 0;  ///< primitives stored, copies by splitting counted
+  std::uint32_t primitive_start = 0;  ///< compact: texel; paper: cell
+  std::uint32_t primitive_stride =
+      0;  ///< compact: texels (3, or 2 without triangles); paper: cells (2, or 1 without triangles)
+  std::uint32_t copy_count = 0;  ///< 1 (threaded) or 8 (octant)
+  std::uint32_t copy_size = 0;   ///< compact: texels, end included; paper: cells
+  int payload_bits = 0;          ///< compact: low bits of a node's word
 };
+
+/// Bakes a tree of the scene. Throws InputError where the image would outgrow 16384 x 16384 texels or what the format
+/// can number, for options out of range, and for coordinates that are not finite.
+GeometryImage bake(const Scene& scene, const SphereTree& tree, const BakeOptions& options = {});
+
+/// Builds the tree that `options.tree` asks for and bakes it.
+GeometryImage bake(const Scene& scene, const BakeOptions& options = {});
+
+/// Walks the image on the CPU and says what is wrong with it, one line per finding; empty where it is sound: from each
+/// start, a walk that enters every node visits every primitive and ends within cell_count nodes, and so does one that
+/// enters none.
+std::vector<std::string> verify(const GeometryImage& image);
+
+/// Writes an OpenEXR file: 32-bit floats, lossless, metadata as attributes. Throws EnvironmentError where it cannot be
+/// written.
+void write_geometry_image(const GeometryImage& image, const std::filesystem::path& path);
+
+/// Reads what write_geometry_image wrote, bit for bit. Throws InputError for any other file.
+GeometryImage read_geometry_image(const std::filesystem::path& path);
+
+/// How many texels (compact) or cells (paper) a primitive takes in an image with or without triangles.
+std::uint32_t primitive_stride(Layout layout, bool has_triangles);
+
+/// "compact", "sphere", "octant", ...: the names used in files, options and reports.
+const char* name_of(Layout layout);
+const char* name_of(Bounds bounds);
+const char* name_of(Links links);
 
 }  // namespace plumbline

@@ -8,8 +8,9 @@
 #include <string>
 
 #include "scenes/ray.h"
-#include "tracer/gl_context.h"
 #include "tracer/geometry_image.h"
+#include "tracer/gl_context.h"
+#include "tracer/shader_source.h"
 
 namespace plumbline {
 
@@ -20,21 +21,30 @@ enum class Traversal {
 
 class Probe {
  public:
-  /// Compiles the shader for the image's layout and uploads the image. Throws EnvironmentError where the driver refuses it,
-  /// naming our GLSL file and line.
-  Probe(GlContext& context, const GeometryImage& image, Traversal traversal = Traversal::tree);
+  /// Compiles the shader for the image's layout and uploads the image. The context must outlive the probe. `patches`
+  /// change the shader's text (faults on purpose). Throws EnvironmentError where the driver refuses the shader, naming
+  /// our GLSL file and line, and InputError for an image that is larger than the driver's textures.
+  Probe(GlContext& context, const GeometryImage& image, Traversal traversal = Traversal::tree,
+        std::span<const ShaderPatch> patches = {});
   ~Probe();
   Probe(Probe&&) noexcept;
   Probe& operator=(Probe&&) noexcept;
 
-  /// Traces every ray; any number of them, cut into batches inside. hits is as long as rays. Hits are the shader's bits.
+  /// Traces every ray; any number of them, cut into batches inside. hits is as long as rays. Hits are the shader's
+  /// bits.
   void trace(std::span<const Ray> rays, std::span<Hit> hits);
 
-  /// Replaces the geometry image by one of the same layout, bounds and links without compiling again.
+  /// Replaces the geometry image. Compiles nothing if it has the layout, the bounds and the kinds of primitives of one
+  /// that this probe has held before.
   void set_image(const GeometryImage& image);
 
-  /// Seconds spent in the driver by the last trace(): drawing until the results were there, without upload and unpacking.
+  /// Seconds spent in the driver by the last trace(): drawing until the results were there, without upload and
+  /// unpacking.
   double draw_seconds() const;
+
+  /// Passes that the last trace() took beyond one per batch, for walks longer than the driver's loops (65,535
+  /// iterations in Mesa 22.3).
+  int resumed_passes() const;
 
  private:
   struct Impl;

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+#include "tracer/gl_objects.h"
+
+#include <array>
+
+#include "scenes/error.h"
+
+namespace plumbline {
+
+GlTexture::GlTexture(GlContext& context, GLenum internal_format, GLenum format, GLenum type, int width, int height,
+                     const void* texels)
+    : context_(&context) {
+  const GlFunctions& gl = context.use();
+  gl.GenTextures(1, &name_);
+  gl.BindTexture(GL_TEXTURE_2D, name_);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+  gl.TexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(internal_format), width, height, 0, format, type, texels);
+  context.check("allocating a texture");
+}
+
+GlTexture::~GlTexture() {
+  if (name_ != 0) context_->use().DeleteTextures(1, &name_);
+}
+
+void GlTexture::bind(int unit) const {
+  const GlFunctions& gl = context_->use();
+  gl.ActiveTexture(static_cast<GLenum>(GL_TEXTURE0 + unit));
+  gl.BindTexture(GL_TEXTURE_2D, name_);
+}
+
+GlFramebuffer::GlFramebuffer(GlContext& context, const GlTexture* targets, int count) : context_(&context) {
+  const GlFunctions& gl = context.use();
+  gl.GenFramebuffers(1, &name_);
+  gl.BindFramebuffer(GL_FRAMEBUFFER, name_);
+  std::array<GLenum, 8> buffers{};
+  for (int i = 0; i < count; ++i) {
+    buffers[static_cast<std::size_t>(i)] = static_cast<GLenum>(GL_COLOR_ATTACHMENT0 + i);
+    gl.FramebufferTexture2D(GL_FRAMEBUFFER, buffers[static_cast<std::size_t>(i)], GL_TEXTURE_2D, targets[i].name(), 0);
+  }
+  gl.DrawBuffers(count, buffers.data());
+  if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
+    throw EnvironmentError("the OpenGL driver can't draw into textures of 32-bit channels (" + context.renderer() +
+                           ")");
+  }
+}
+
+GlFramebuffer::~GlFramebuffer() {
+  if (name_ != 0) context_->use().DeleteFramebuffers(1, &name_);
+}
+
+GlProgram::GlProgram(GlContext& context, GLuint program) : context_(&context), program_(program) {
+  context.use().GenVertexArrays(1, &vertex_array_);
+}
+
+GlProgram::~GlProgram() {
+  if (program_ != 0) context_->use().DeleteProgram(program_);
+  if (vertex_array_ != 0) context_->use().DeleteVertexArrays(1, &vertex_array_);
+}
+
+void GlProgram::use() const { context_->use().UseProgram(program_); }
+
+void GlProgram::set(const char* name, int value) const {
+  const GlFunctions& gl = context_->use();
+  gl.Uniform1i(gl.GetUniformLocation(program_, name), value);
+}
+void GlProgram::set(const char* name, float value) const {
+  const GlFunctions& gl = context_->use();
+  gl.Uniform1f(gl.GetUniformLocation(program_, name), value);
+}
+void GlProgram::set(const char* name, float x, float y, float z) const {
+  const GlFunctions& gl = context_->use();
+  gl.Uniform3f(gl.GetUniformLocation(program_, name), x, y, z);
+}
+
+void GlProgram::draw(int width, int height) const {
+  const GlFunctions& gl = context_->use();
+  gl.UseProgram(program_);
+  gl.BindVertexArray(vertex_array_);
+  gl.Viewport(0, 0, width, height);
+  gl.DrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+}  // namespace plumbline

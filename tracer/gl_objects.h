@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+// Owners of single GL objects: what a probe or a driver case creates is deleted with it.
+#pragma once
+
+#include <utility>
+
+#include "tracer/gl_context.h"
+
+namespace plumbline {
+
+/// A texture without filtering or further levels. Moves; deletes the texture in its own context.
+class GlTexture {
+ public:
+  GlTexture() = default;
+  /// Allocates width * height texels, from `texels` if it is not null.
+  GlTexture(GlContext& context, GLenum internal_format, GLenum format, GLenum type, int width, int height,
+            const void* texels = nullptr);
+  ~GlTexture();
+  GlTexture(GlTexture&& other) noexcept : context_(other.context_), name_(std::exchange(other.name_, 0)) {}
+  GlTexture& operator=(GlTexture&& other) noexcept {
+    std::swap(context_, other.context_), std::swap(name_, other.name_);
+    return *this;
+  }
+  GLuint name() const { return name_; }
+  explicit operator bool() const { return name_ != 0; }
+  /// Makes this the texture of a unit.
+  void bind(int unit) const;
+
+ private:
+  GlContext* context_ = nullptr;
+  GLuint name_ = 0;
+};
+
+/// A framebuffer that draws into textures, attachment i into targets[i].
+class GlFramebuffer {
+ public:
+  GlFramebuffer() = default;
+  GlFramebuffer(GlContext& context, const GlTexture* targets, int count);
+  ~GlFramebuffer();
+  GlFramebuffer(GlFramebuffer&& other) noexcept : context_(other.context_), name_(std::exchange(other.name_, 0)) {}
+  GlFramebuffer& operator=(GlFramebuffer&& other) noexcept {
+    std::swap(context_, other.context_), std::swap(name_, other.name_);
+    return *this;
+  }
+  GLuint name() const { return name_; }
+
+ private:
+  GlContext* context_ = nullptr;
+  GLuint name_ = 0;
+};
+
+/// A linked program, and the vertex array that a core profile wants bound while drawing.
+class GlProgram {
+ public:
+  GlProgram() = default;
+  GlProgram(GlContext& context, GLuint program);
+  ~GlProgram();
+  GlProgram(GlProgram&& other) noexcept
+      : context_(other.context_),
+        program_(std::exchange(other.program_, 0)),
+        vertex_array_(std::exchange(other.vertex_array_, 0)) {}
+  GlProgram& operator=(GlProgram&& other) noexcept {
+    std::swap(context_, other.context_), std::swap(program_, other.program_),
+        std::swap(vertex_array_, other.vertex_array_);
+    return *this;
+  }
+  void use() const;
+  /// Sets a uniform of the program in use; a name that the compiler has dropped is ignored.
+  void set(const char* name, int value) const;
+  void set(const char* name, float value) const;
+  void set(const char* name, float x, float y, float z) const;
+  /// Draws one triangle over a viewport of this size.
+  void draw(int width, int height) const;
+
+ private:
+  GlContext* context_ = nullptr;
+  GLuint program_ = 0, vertex_array_ = 0;
+};
+
+}  // namespace plumbline

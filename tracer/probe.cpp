@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: MIT
+// Rays go to a texture, one full-screen triangle per pass walks them, and what could not end within a pass goes on in
+// another.
+#include "tracer/probe.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <chrono>
+#include <map>
+#include <tuple>
+#include <vector>
+
+#include "scenes/error.h"
+#include "tracer/gl_objects.h"
+#include "tracer/shader_words.h"
+
+namespace plumbline {
+namespace {
+
+// A batch is a picture of this size. Small enough that rays and results stay in the cache between driver and host,
+// large enough that the driver's threads are busy.
+constexpr int kBatchWidth = 512, kBatchHeight = 512;
+constexpr std::size_t kBatch = std::size_t{kBatchWidth} * kBatchHeight;
+constexpr int kTargets = 3;
+// Primitives per brute-force pass: a quarter of the iterations that the driver's loops are known to survive.
+constexpr std::uint32_t kBruteForceRange = 16384;
+
+enum Unit { kGeometryUnit = 0, kRayUnit = 1, kStateUnit = 2 };
+
+using Words = glm::uvec4;
+
+int rows_for(std::size_t rays) { return static_cast<int>((rays + kBatchWidth - 1) / kBatchWidth); }
+
+Hit unpack(const Words& a, const Words& b, const Words& c) {
+  const auto value = [](std::uint32_t word) { return std::bit_cast<float>(word); };
+  Hit hit;
+  hit.steps = a.z;
+  hit.primitive_tests = a.w;
+  switch (a.x & 7u) {
+    case kWordHit:
+      hit.kind = HitKind::hit;
+      hit.primitive = a.x >> 3;
+      hit.t = value(a.y);
+      hit.position = {value(b.x), value(b.y), value(b.z)};
+      hit.normal = {value(c.x), value(c.y), value(c.z)};
+      hit.barycentrics = {value(b.w), value(c.w)};
+      break;
+    case kWordMiss:
+      hit.kind = HitKind::miss;
+      break;
+    case kWordUndefined:
+      hit.kind = HitKind::undefined;
+      break;
+    default:
+      hit.kind = HitKind::capped;
+      break;
+  }
+  return hit;
+}
+
+}  // namespace
+
+struct Probe::Impl {
+  using Clock = std::chrono::steady_clock;
+  using ProgramKey = std::tuple<Layout, Bounds, bool, bool>;
+
+  GlContext* context;
+  Traversal traversal;
+  std::vector<ShaderPatch> patches;
+  std::map<ProgramKey, GlProgram> programs;
+  const GlProgram* program = nullptr;
+  GlTexture geometry, rays, state;
+  std::array<GlTexture, kTargets> targets;
+  GlFramebuffer framebuffer;
+  std::uint32_t primitive_count = 0;
+  double seconds = 0.0;
+  int resumed = 0;
+
+  // Host copies of a batch.
+  std::vector<glm::vec4> ray_texels;
+  std::vector<Words> state_texels;
+  std::array<std::vector<Words>, kTargets> results;
+
+  Impl(GlContext& c, Traversal t, std::span<const ShaderPatch> p)
+      : context(&c), traversal(t), patches(p.begin(), p.end()) {
+    rays = GlTexture(c, GL_RGBA32F, GL_RGBA, GL_FLOAT, 2 * kBatchWidth, kBatchHeight);
+    for (GlTexture& target : targets)
+      target = GlTexture(c, GL_RGBA32UI, GL_RGBA_INTEGER, GL_UNSIGNED_INT, kBatchWidth, kBatchHeight);
+    framebuffer = GlFramebuffer(c, targets.data(), kTargets);
+    ray_texels.resize(2 * kBatch);
+    for (auto& result : results) result.resize(kBatch);
+  }
+
+  void set_image(const GeometryImage& image) {
+    if (std::max(image.width, image.height) > context->max_texture_size()) {
+      throw InputError("the geometry image of " + image.scene_name + " is " + std::to_string(image.width) + " x " +
+                       std::to_string(image.height) + " texels, but textures of this OpenGL driver (" +
+                       context->renderer() + ") end at " + std::to_string(context->max_texture_size()) +
+                       "; bake with links `threaded` or a smaller scene");
+    }
+    const ProgramVariant variant = program_variant(image, traversal == Traversal::brute_force);
+    const ProgramKey key{variant.layout, variant.bounds, variant.has_triangles, variant.has_spheres};
+    auto [entry, is_new] = programs.try_emplace(key);
+    if (is_new) {
+      try {
+        entry->second =
+            GlProgram(*context, link_program(*context, probe_vertex_shader(), probe_fragment_shader(variant, patches)));
+      } catch (...) {
+        programs.erase(entry);
+        throw;
+      }
+    }
+    program = &entry->second;
+    geometry = {};  // the old image goes first: two large ones need not fit
+    geometry = GlTexture(*context, GL_RGBA32F, GL_RGBA, GL_FLOAT, image.width, image.height, image.texels.data());
+    primitive_count = image.primitive_count;
+
+    program->use();
+    program->set("u_geometry", kGeometryUnit);
+    program->set("u_rays", kRayUnit);
+    program->set("u_state", kStateUnit);
+    program->set("u_one", 1.0f);
+    program->set("u_center", image.center.x, image.center.y, image.center.z);
+    program->set("u_radius", image.radius);
+    program->set("u_scale_exponent", image.scale_exponent);
+    program->set("u_width_mask", image.width - 1);
+    program->set("u_width_shift", std::countr_zero(static_cast<unsigned>(image.width)));
+    program->set("u_texel_width", 1.0f / static_cast<float>(image.width));
+    program->set("u_texel_height", 1.0f / static_cast<float>(image.height));
+    program->set("u_primitive_start", static_cast<int>(image.primitive_start));
+    program->set("u_primitive_count", static_cast<int>(image.primitive_count));
+    program->set("u_copy_size", static_cast<int>(image.copy_size));
+    program->set("u_octant_bits", image.copy_count == 8 ? 7 : 0);
+    program->set("u_payload_mask", (1 << image.payload_bits) - 1);
+    program->set("u_step_limit", static_cast<int>(image.cell_count));
+  }
+
+  /// Uploads `count` rays from ray_texels; what remains of the last row becomes rays without direction, which end at
+  /// once.
+  void upload_rays(std::size_t count) {
+    const GlFunctions& gl = context->use();
+    const int rows = rows_for(count);
+    std::fill(ray_texels.begin() + static_cast<std::ptrdiff_t>(2 * count),
+              ray_texels.begin() + std::ptrdiff_t{2} * kBatchWidth * rows, glm::vec4(0.0f));
+    rays.bind(kRayUnit);
+    gl.TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, 2 * kBatchWidth, rows, GL_RGBA, GL_FLOAT, ray_texels.data());
+  }
+
+  void upload_state(std::size_t count) {
+    const GlFunctions& gl = context->use();
+    if (!state)
+      state = GlTexture(*context, GL_RGBA32UI, GL_RGBA_INTEGER, GL_UNSIGNED_INT, 3 * kBatchWidth, kBatchHeight);
+    state_texels.resize(3 * static_cast<std::size_t>(kBatchWidth) * static_cast<std::size_t>(rows_for(count)));
+    state.bind(kStateUnit);
+    gl.TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, 3 * kBatchWidth, rows_for(count), GL_RGBA_INTEGER, GL_UNSIGNED_INT,
+                     state_texels.data());
+  }
+
+  void draw(std::size_t count, bool resume, std::uint32_t range_end) {
+    const GlFunctions& gl = context->use();
+    geometry.bind(kGeometryUnit);
+    rays.bind(kRayUnit);
+    if (state) state.bind(kStateUnit);
+    program->use();
+    program->set("u_resume", resume ? 1 : 0);
+    program->set("u_range_end", static_cast<int>(range_end));
+    gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
+    gl.Disable(GL_DITHER);
+    const auto start = Clock::now();
+    program->draw(kBatchWidth, rows_for(count));
+    gl.Finish();
+    seconds += std::chrono::duration<double>(Clock::now() - start).count();
+    for (int i = 0; i < kTargets; ++i) {
+      gl.ReadBuffer(static_cast<GLenum>(GL_COLOR_ATTACHMENT0 + i));
+      gl.ReadPixels(0, 0, kBatchWidth, rows_for(count), GL_RGBA_INTEGER, GL_UNSIGNED_INT,
+                    results[static_cast<std::size_t>(i)].data());
+    }
+    context->check("tracing rays");
+  }
+
+  void trace_batch(std::span<const Ray> batch, std::span<Hit> hits) {
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+      ray_texels[2 * i] = glm::vec4(batch[i].origin, batch[i].t_max);
+      ray_texels[2 * i + 1] = glm::vec4(batch[i].direction, 0.0f);
+    }
+    upload_rays(batch.size());
+    std::uint32_t range_end =
+        traversal == Traversal::brute_force ? std::min(kBruteForceRange, primitive_count) : primitive_count;
+    draw(batch.size(), false, range_end);
+
+    std::vector<std::uint32_t> open;  // rays of the last pass, by their place in the batch
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+      if ((results[0][i].x & 7u) == kWordUnfinished) {
+        open.push_back(static_cast<std::uint32_t>(i));
+      } else {
+        hits[i] = unpack(results[0][i], results[1][i], results[2][i]);
+      }
+    }
+    if (open.empty()) return;
+    std::vector<std::uint32_t> place(open);  // where each open ray stood in the pass before
+    while (!open.empty()) {
+      ++resumed;
+      state_texels.clear();
+      for (const std::uint32_t p : place)
+        state_texels.insert(state_texels.end(), {results[0][p], results[1][p], results[2][p]});
+      for (std::size_t i = 0; i < open.size(); ++i) {
+        const Ray& ray = batch[open[i]];
+        ray_texels[2 * i] = glm::vec4(ray.origin, ray.t_max);
+        ray_texels[2 * i + 1] = glm::vec4(ray.direction, 0.0f);
+      }
+      upload_rays(open.size());
+      upload_state(open.size());
+      range_end = std::min(range_end + kBruteForceRange, primitive_count);
+      draw(open.size(), true, range_end);
+      std::vector<std::uint32_t> still_open;
+      place.clear();
+      for (std::size_t i = 0; i < open.size(); ++i) {
+        if ((results[0][i].x & 7u) == kWordUnfinished) {
+          still_open.push_back(open[i]);
+          place.push_back(static_cast<std::uint32_t>(i));
+        } else {
+          hits[open[i]] = unpack(results[0][i], results[1][i], results[2][i]);
+        }
+      }
+      open = std::move(still_open);
+    }
+  }
+};
+
+Probe::Probe(GlContext& context, const GeometryImage& image, Traversal traversal, std::span<const ShaderPatch> patches)
+    : impl_(std::make_unique<Impl>(context, traversal, patches)) {
+  set_image(image);
+}
+Probe::~Probe() = default;
+Probe::Probe(Probe&&) noexcept = default;
+Probe& Probe::operator=(Probe&&) noexcept = default;
+
+void Probe::set_image(const GeometryImage& image) { impl_->set_image(image); }
+
+void Probe::trace(std::span<const Ray> rays, std::span<Hit> hits) {
+  PLUMBLINE_ASSERT(rays.size() == hits.size());
+  impl_->seconds = 0.0;
+  impl_->resumed = 0;
+  for (std::size_t first = 0; first < rays.size(); first += kBatch) {
+    const std::size_t count = std::min(kBatch, rays.size() - first);
+    impl_->trace_batch(rays.subspan(first, count), hits.subspan(first, count));
+  }
+}
+
+double Probe::draw_seconds() const { return impl_->seconds; }
+int Probe::resumed_passes() const { return impl_->resumed; }
+
+}  // namespace plumbline

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: MIT
+#include "tracer/shader_source.h"
+
+#include <array>
+#include <charconv>
+#include <cstdio>
+#include <regex>
+#include <sstream>
+
+#include "scenes/error.h"
+#include "tracer/bake.h"
+#include "tracer/embedded_shaders.h"
+#include "tracer/shader_words.h"
+
+namespace plumbline {
+namespace {
+
+// Mesa keeps the line of a #line directive but not its file number, so the file stands in the line: line 12 of the file
+// number 3 (from 1) is line 30012.
+constexpr int kLinesPerFile = 10000;
+
+std::string_view shader_file(std::string_view name) {
+  for (const EmbeddedShader& shader : embedded_shaders()) {
+    if (shader.name == name) return shader.text;
+  }
+  throw InputError("there is no shader file tracer/shaders/" + std::string(name));
+}
+
+std::string patched(std::string_view name, std::span<const ShaderPatch> patches) {
+  std::string text(shader_file(name));
+  for (const ShaderPatch& patch : patches) {
+    if (patch.file != name) continue;
+    const std::size_t at = text.find(patch.find);
+    if (patch.find.empty() || at == std::string::npos || text.find(patch.find, at + 1) != std::string::npos) {
+      throw InputError("a shader patch must find its text exactly once in tracer/shaders/" + patch.file + ": " +
+                       patch.find);
+    }
+    text.replace(at, patch.find.size(), patch.replace);
+  }
+  return text;
+}
+
+/// A float as GLSL text that reads back as the same value: all of ours are short powers of two or whole numbers.
+std::string glsl_float(double value) {
+  std::array<char, 64> buffer{};
+  std::snprintf(buffer.data(), buffer.size(), "%.17e", value);
+  return buffer.data();
+}
+std::string glsl_int(std::uint32_t bits) { return "int(" + std::to_string(bits) + "u)"; }
+
+std::string compile_log(const GlFunctions& gl, GLuint object, bool is_program) {
+  GLint length = 0;
+  if (is_program) {
+    gl.GetProgramiv(object, GL_INFO_LOG_LENGTH, &length);
+  } else {
+    gl.GetShaderiv(object, GL_INFO_LOG_LENGTH, &length);
+  }
+  std::string log(static_cast<std::size_t>(length), '\0');
+  if (length == 0) return log;
+  if (is_program) {
+    gl.GetProgramInfoLog(object, length, nullptr, log.data());
+  } else {
+    gl.GetShaderInfoLog(object, length, nullptr, log.data());
+  }
+  log.resize(log.find('\0') == std::string::npos ? log.size() : log.find('\0'));
+  return log;
+}
+
+GLuint compile(const GlFunctions& gl, GLenum stage, const ShaderText& shader) {
+  const GLuint object = gl.CreateShader(stage);
+  const char* text = shader.text.c_str();
+  gl.ShaderSource(object, 1, &text, nullptr);
+  gl.CompileShader(object);
+  GLint status = GL_FALSE;
+  gl.GetShaderiv(object, GL_COMPILE_STATUS, &status);
+  if (status == GL_TRUE) return object;
+  const std::string log = translate_log(shader, compile_log(gl, object, false));
+  gl.DeleteShader(object);
+  throw EnvironmentError("the OpenGL driver refuses a shader:\n" + log);
+}
+
+}  // namespace
+
+ShaderText compose_shader(std::span<const std::string_view> files, std::span<const ShaderDefine> defines,
+                          std::span<const ShaderPatch> patches, GlslDialect dialect) {
+  for (const ShaderPatch& patch : patches) {
+    bool used = false;
+    for (const std::string_view file : files) used = used || file == patch.file;
+    if (!used)
+      throw InputError("a shader patch names tracer/shaders/" + patch.file + ", which this shader does not contain");
+  }
+  ShaderText shader;
+  shader.text = shader_file(dialect == GlslDialect::glsl_330 ? "header_330.glsl" : "header_300es.glsl");
+  for (const auto& [name, value] : defines) shader.text += "#define " + name + " " + value + "\n";
+  for (const std::string_view file : files) {
+    shader.files.emplace_back(file);
+    // The directive names the number of the line that follows it.
+    shader.text += "#line " + std::to_string(static_cast<int>(shader.files.size()) * kLinesPerFile + 1) + "\n";
+    shader.text += patched(file, patches);
+  }
+  return shader;
+}
+
+std::string translate_log(const ShaderText& shader, const std::string& log) {
+  // Mesa: "0:30012(5): error: ..."; others: "0(30012) : error ..." or "ERROR: 0:30012: ...".
+  static const std::regex kPlace(R"(\b0[:(](\d+)\)?(\(\d+\))? ?:? ?)");
+  std::istringstream lines(log);
+  std::string result;
+  for (std::string line; std::getline(lines, line);) {
+    std::smatch match;
+    if (std::regex_search(line, match, kPlace)) {
+      int number = 0;
+      const std::string digits = match[1];
+      std::from_chars(digits.data(), digits.data() + digits.size(), number);
+      const std::size_t file = static_cast<std::size_t>(number / kLinesPerFile);
+      if (file >= 1 && file <= shader.files.size()) {
+        line = match.prefix().str() + "tracer/shaders/" + shader.files[file - 1] + ":" +
+               std::to_string(number % kLinesPerFile) + ": " + match.suffix().str();
+      }
+    }
+    result += line + "\n";
+  }
+  return result;
+}
+
+GLuint link_program(GlContext& context, const ShaderText& vertex, const ShaderText& fragment) {
+  const GlFunctions& gl = context.use();
+  const GLuint vertex_shader = compile(gl, GL_VERTEX_SHADER, vertex);
+  GLuint fragment_shader = 0;
+  try {
+    fragment_shader = compile(gl, GL_FRAGMENT_SHADER, fragment);
+  } catch (...) {
+    gl.DeleteShader(vertex_shader);
+    throw;
+  }
+  const GLuint program = gl.CreateProgram();
+  gl.AttachShader(program, vertex_shader);
+  gl.AttachShader(program, fragment_shader);
+  gl.LinkProgram(program);
+  gl.DeleteShader(vertex_shader);
+  gl.DeleteShader(fragment_shader);
+  GLint status = GL_FALSE;
+  gl.GetProgramiv(program, GL_LINK_STATUS, &status);
+  if (status == GL_TRUE) return program;
+  const std::string log = translate_log(fragment, compile_log(gl, program, true));
+  gl.DeleteProgram(program);
+  throw EnvironmentError("the OpenGL driver refuses to link a shader:\n" + log);
+}
+
+ProgramVariant program_variant(const GeometryImage& image, bool brute_force) {
+  // An image without primitives is walked by the code for triangles.
+  return {image.options.layout, image.options.bounds, image.triangle_count > 0 || image.sphere_count == 0,
+          image.sphere_count > 0, brute_force};
+}
+
+ShaderText probe_fragment_shader(const ProgramVariant& variant, std::span<const ShaderPatch> patches,
+                                 GlslDialect dialect) {
+  const bool compact = variant.layout == Layout::compact;
+  std::vector<ShaderDefine> defines{
+      {"EDGE_ON", glsl_float(kEdgeOn)},
+      {"EDGE_ON_REACH", glsl_float(kEdgeOnReach)},
+      {"SHIFT_EXPONENT", std::to_string(kShiftExponent)},
+      {"SHIFT_UNIT", glsl_float(1.0 / (1 << kShiftExponent))},
+      {"NO_LABEL", glsl_float(kNoLabel)},
+      {"KIND_SPHERE", glsl_float(kKindSphere)},
+      {"END_WORD", glsl_int(kEndWord)},
+      {"LINK_SPHERE", "(" + std::to_string(kLinkSphere) + ")"},
+      {"PRIMITIVE_STRIDE", std::to_string(primitive_stride(variant.layout, variant.has_triangles))},
+      {"KIND_MISS", std::to_string(kWordMiss) + "u"},
+      {"KIND_HIT", std::to_string(kWordHit) + "u"},
+      {"KIND_UNDEFINED", std::to_string(kWordUndefined) + "u"},
+      {"KIND_CAPPED", std::to_string(kWordCapped) + "u"},
+      {"KIND_UNFINISHED", std::to_string(kWordUnfinished) + "u"},
+  };
+  if (variant.has_triangles) defines.emplace_back("HAS_TRIANGLES", "");
+  if (variant.has_spheres) defines.emplace_back("HAS_SPHERES", "");
+  if (variant.bounds == Bounds::aabb) defines.emplace_back("BOUNDS_AABB", "");
+  const std::array<std::string_view, 10> files{
+      "exact.glsl",
+      "ray_prepare.glsl",
+      "triangle.glsl",
+      "sphere.glsl",
+      compact ? "image_compact.glsl" : "image_paper.glsl",
+      "candidate.glsl",
+      "walk_state.glsl",
+      "bounds.glsl",
+      variant.brute_force ? "brute_force.glsl" : (compact ? "walk_compact.glsl" : "walk_paper.glsl"),
+      "probe.frag.glsl"};
+  return compose_shader(files, defines, patches, dialect);
+}
+
+ShaderText probe_vertex_shader(GlslDialect dialect) {
+  const std::array<std::string_view, 1> files{"probe.vert.glsl"};
+  return compose_shader(files, {}, {}, dialect);
+}
+
+}  // namespace plumbline

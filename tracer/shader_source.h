@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+// The GLSL sources, which are built into the library, composed into whole shaders from explicit lists of files.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "tracer/geometry_image.h"
+#include "tracer/gl_context.h"
+
+namespace plumbline {
+
+/// A change to one shader file, for faults on purpose: `find` must stand in it exactly once.
+struct ShaderPatch {
+  std::string file;  ///< "triangle.glsl"
+  std::string find, replace;
+};
+
+/// A #define before the shader's own text; an empty value defines the bare name.
+using ShaderDefine = std::pair<std::string, std::string>;
+
+/// The GLSL dialects that the same files are valid in; a header is all that differs.
+enum class GlslDialect { glsl_330, es_300 };
+
+/// One shader composed of files. Lines are numbered so that compile errors can be told by file and line.
+struct ShaderText {
+  std::vector<std::string> files;  ///< in order, as under tracer/shaders/
+  std::string text;
+};
+
+/// Joins the named files. Throws InputError for a patch that does not fit.
+ShaderText compose_shader(std::span<const std::string_view> files, std::span<const ShaderDefine> defines,
+                          std::span<const ShaderPatch> patches = {}, GlslDialect dialect = GlslDialect::glsl_330);
+
+/// A driver's message with its line numbers replaced by ours: "tracer/shaders/triangle.glsl:12: ...".
+std::string translate_log(const ShaderText& shader, const std::string& log);
+
+/// Compiles and links a program. Throws EnvironmentError with the translated messages.
+GLuint link_program(GlContext& context, const ShaderText& vertex, const ShaderText& fragment);
+
+/// Which code a geometry image needs: the primitives in it decide too, since a driver may run both sides of every `if`.
+struct ProgramVariant {
+  Layout layout = Layout::compact;
+  Bounds bounds = Bounds::sphere;
+  bool has_triangles = false, has_spheres = false;
+  bool brute_force = false;
+  bool operator==(const ProgramVariant&) const = default;
+};
+ProgramVariant program_variant(const GeometryImage& image, bool brute_force);
+
+/// The production fragment shader of a variant, and its vertex shader.
+ShaderText probe_fragment_shader(const ProgramVariant& variant, std::span<const ShaderPatch> patches = {},
+                                 GlslDialect dialect = GlslDialect::glsl_330);
+ShaderText probe_vertex_shader(GlslDialect dialect = GlslDialect::glsl_330);
+
+}  // namespace plumbline

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+// Numbers that C++ and the production GLSL share beside the geometry image's format: they reach the GLSL as #defines.
+#pragma once
+
+#include <cstdint>
+
+namespace plumbline {
+
+/// A triangle whose projected area is below this share of its squared extent is resolved exactly (triangle.glsl), and
+inline constexpr double kEdgeOn = 0x1p-8;
+/// a ray that passes beside one may still hit it where it is this near, as a share of the longest edge. bake.h pads for
+/// both.
+inline constexpr double kEdgeOnReach = 0x1p-12;
+
+/// Far rays are moved near the scene in units of 2^8, so that nothing overflows (ray_prepare.glsl).
+inline constexpr int kShiftExponent = 8;
+
+/// Greater than any label of a primitive: nothing is hit yet.
+inline constexpr double kNoLabel = 33554432.0;
+
+/// The kind of a result, in the low three bits of its first word; the primitive's number stands above.
+inline constexpr std::uint32_t kWordMiss = 0, kWordHit = 1, kWordUndefined = 2, kWordCapped = 3;
+inline constexpr std::uint32_t kWordUnfinished = 4;  ///< the words hold the state of a walk that must go on
+
+}  // namespace plumbline

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+// The node tests: does the ray's segment 0 <= t <= best come near a bounding volume? Never "no" where a primitive inside is hit (bake.h).
+
+#ifdef BOUNDS_AABB
+// The slabs of a box. A direction component of 0 counts as 2^-60: over the scene's size that is far less than the padding.
+vec3 slab_inverse(vec3 d) {
+  vec3 size = max(abs(d), vec3(8.673617379884035e-19));
+  return vec3(d.x < 0.0 ? -1.0 : 1.0, d.y < 0.0 ? -1.0 : 1.0, d.z < 0.0 ? -1.0 : 1.0) / size;
+}
+bool meets_box(vec3 lower, vec3 upper, vec3 inverse) {
+  vec3 t0 = (lower - ray.o) * inverse, t1 = (upper - ray.o) * inverse;
+  vec3 enter = min(t0, t1), leave = max(t0, t1);
+  return max(max(enter.x, enter.y), max(enter.z, 0.0)) <= min(min(leave.x, leave.y), min(leave.z, nearest.t));
+}
+#else
+// The squared distance from a sphere's centre to the segment, without square root or cases.
+float distance2_to_segment(vec3 center) {
+  vec3 m = center - ray.o;
+  vec3 f = m - clamp(dot(m, ray.dn), 0.0, nearest.t) * ray.d;
+  return dot(f, f);
+}
+#endif

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+// The nearest hit so far, and how a primitive becomes it. Tree and brute force share every line of this, and the result does not
+// depend on the order in which primitives come: the least t wins, among equal t the lowest primitive number.
+
+struct Nearest {
+  float t;
+  float label;   // the primitive's number + 1; NO_LABEL where nothing is hit yet
+  int address;   // where the primitive stands
+  vec2 weights;  // barycentrics of the second and the third corner
+  int tests;     // primitives tested
+  int pending;   // address of a triangle that is seen edge-on and waits for resolve_pending; -1 where there is none
+};
+
+Nearest nearest;
+
+void offer(bool hit, float t, float label, int address, vec2 weights) {
+  if (hit && t > ray.t_low && (t < nearest.t || (t == nearest.t && label < nearest.label))) {
+    nearest.t = t;
+    nearest.label = label;
+    nearest.address = address;
+    nearest.weights = weights;
+  }
+}
+
+// Tests the primitive at an address. Returns its label: negative on the last of a cluster.
+float test_primitive(int address) {
+  vec4 p0 = primitive_0(address), p1 = primitive_1(address);
+  float label = abs(p0.w);
+  ++nearest.tests;
+#ifdef HAS_TRIANGLES
+  vec4 p2 = primitive_2(address);
+  TriangleHit triangle = intersect_triangle(p0.xyz, p1.xyz, p2.xyz);
+  bool hit = triangle.inside && !triangle.edge_on;
+  bool pending = triangle.inside && triangle.edge_on;
+  float t = triangle.t;
+  vec2 weights = triangle.weights;
+#endif
+#ifdef HAS_SPHERES
+  float t_sphere;
+  bool hit_sphere = intersect_sphere(p0.xyz, p1.x, t_sphere);
+#ifdef HAS_TRIANGLES
+  bool is_sphere = p1.w == KIND_SPHERE;
+  hit = is_sphere ? hit_sphere : hit;
+  t = is_sphere ? t_sphere : t;
+  weights = is_sphere ? vec2(0.0) : weights;
+  pending = pending && !is_sphere;
+#else
+  bool hit = hit_sphere;
+  float t = t_sphere;
+  vec2 weights = vec2(0.0);
+#endif
+#endif
+  offer(hit, t, label, address, weights);
+#ifdef HAS_TRIANGLES
+  if (pending) nearest.pending = address;
+#endif
+  return p0.w;
+}
+
+// A triangle seen edge-on costs several times an ordinary one and is rare, but this driver runs both sides of every `if`: so the walk stops at
+// it, it is settled here, outside of the walking loops, and the walk goes on behind it.
+void resolve_pending() {
+#ifdef HAS_TRIANGLES
+  int address = max(nearest.pending, 0);
+  vec4 p0 = primitive_0(address);
+  TriangleHit triangle = resolve_edge_on(p0.xyz, primitive_1(address).xyz, primitive_2(address).xyz);
+  offer(triangle.inside && nearest.pending >= 0, triangle.t, abs(p0.w), address, triangle.weights);
+  nearest.pending = -1;
+#endif
+}

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+// One ray per pixel: rays come from a texture, results go to three integer targets, whose words no driver converts.
+
+uniform sampler2D u_rays;        // row y, texels 2 x and 2 x + 1: origin and t_max, direction and 0
+uniform usampler2D u_state;      // read where u_resume is 1: what an unfinished pixel wrote, three texels a pixel
+uniform int u_resume;
+
+layout(location = 0) out uvec4 out_0;  // kind + 8 * primitive, t, steps, primitives tested
+layout(location = 1) out uvec4 out_1;  // position, weight of the second corner
+layout(location = 2) out uvec4 out_2;  // normal, weight of the third corner
+
+void start_or_resume(ivec2 pixel) {
+  walk.cluster_at = -1;
+  walk.cluster_next = 0;
+  walk.steps = 0;
+  walk.ended = false;
+  nearest.t = ray.t_best;
+  nearest.label = NO_LABEL;
+  nearest.address = 0;
+  nearest.weights = vec2(0.0);
+  nearest.tests = 0;
+  nearest.pending = -1;
+  start_walk();
+  if (u_resume != 0) {
+    ivec2 at = ivec2(pixel.x * 3, pixel.y);
+    uvec4 s0 = texelFetch(u_state, at, 0);
+    uvec4 s1 = texelFetch(u_state, at + ivec2(1, 0), 0);
+    uvec4 s2 = texelFetch(u_state, at + ivec2(2, 0), 0);
+    nearest.t = uintBitsToFloat(s0.y);
+    walk.steps = int(s0.z);
+    nearest.tests = int(s0.w);
+    walk.at = ivec2(s1.xy);
+    walk.cluster_at = int(s1.z);
+    walk.cluster_next = int(s1.w);
+    nearest.label = uintBitsToFloat(s2.x);
+    nearest.weights = uintBitsToFloat(s2.yz);
+    nearest.address = int(s2.w);
+  }
+  if (ray.misses || !ray.defined) walk.ended = true;
+}
+
+void write_unfinished() {
+  out_0 = uvec4(KIND_UNFINISHED, floatBitsToUint(nearest.t), walk.steps, nearest.tests);
+  out_1 = uvec4(walk.at, walk.cluster_at, walk.cluster_next);
+  out_2 = uvec4(floatBitsToUint(nearest.label), floatBitsToUint(nearest.weights), nearest.address);
+}
+
+void write_result(float t_max) {
+  bool hit = walk.ended && nearest.label < NO_LABEL;
+  vec4 p0 = primitive_0(nearest.address), p1 = primitive_1(nearest.address);
+  vec3 position = vec3(0.0), normal = vec3(0.0);
+#ifdef HAS_SPHERES
+  normal = sphere_normal(p0.xyz, nearest.t);
+  position = p0.xyz + p1.x * normal;
+#endif
+#ifdef HAS_TRIANGLES
+  if (p1.w != KIND_SPHERE) {
+    vec4 p2 = primitive_2(nearest.address);
+    vec2 w = nearest.weights;
+    normal = triangle_normal(p0.xyz, p1.xyz, p2.xyz);
+    position = ((1.0 - w.x) - w.y) * p0.xyz + w.x * p1.xyz + w.y * p2.xyz;
+  }
+#endif
+  uvec3 position_bits = floatBitsToUint(position);
+  if (u_scale_exponent != 0) {
+    uvec3 sign_bits = position_bits & uvec3(0x80000000u);
+    position = abs(position);
+    position_bits = sign_bits | uvec3(scaled_bits(position.x, -u_scale_exponent), scaled_bits(position.y, -u_scale_exponent),
+                                      scaled_bits(position.z, -u_scale_exponent));
+  }
+  uint kind = !ray.defined ? KIND_UNDEFINED : !walk.ended ? KIND_CAPPED : hit ? KIND_HIT : KIND_MISS;
+  uint primitive = hit ? uint(nearest.label) - 1u : 0u;
+  out_0 = uvec4(kind + 8u * primitive, given_t(nearest.t, t_max), walk.steps, nearest.tests);
+  out_1 = uvec4(position_bits, floatBitsToUint(nearest.weights.x));
+  out_2 = uvec4(floatBitsToUint(normal), floatBitsToUint(nearest.weights.y));
+}
+
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  vec4 origin_and_end = texelFetch(u_rays, ivec2(pixel.x * 2, pixel.y), 0);
+  vec4 direction = texelFetch(u_rays, ivec2(pixel.x * 2 + 1, pixel.y), 0);
+  prepare_ray(origin_and_end.xyz, direction.xyz, origin_and_end.w);
+  start_or_resume(pixel);
+
+  bool was_pending = !walk.ended;
+  while (was_pending) {
+    walk_tree();
+    was_pending = nearest.pending >= 0;
+    resolve_pending();
+  }
+  bool unfinished = !walk.ended && walk.steps < u_step_limit;
+  write_result(origin_and_end.w);
+  if (unfinished) write_unfinished();
+}

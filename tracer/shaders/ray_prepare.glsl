@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+// Once per ray: the ray as given becomes the ray that walks. Everything that depends on the ray alone is computed here.
+
+uniform vec3 u_center;         // of the scene's ball, image units
+uniform float u_radius;        // of the scene's ball
+uniform int u_scale_exponent;  // image units = world units * 2^this
+
+// The walking ray is the set of points o + t d in image units. Its t and the ray's own are related by
+//   t_given = (t * shift_unit + shift_low + shift_high) * 2^exponent.
+struct WalkRay {
+  vec3 o;
+  vec3 d;      // the direction as given times a power of two: its largest component is in [1, 2)
+  vec3 dn;     // d / dot(d, d): dot(x, dn) is the t of the point of the ray next to x
+  float inverse_d2;  // 1 / dot(d, d)
+  vec3 shear;  // d.x / d.z, d.y / d.z, 1 / d.z after permutation: the largest component is z
+  int axis;    // which component that is
+  float t_low;   // hits need t > t_low
+  float t_best;  // and t <= t_best, to begin with
+  float shift_high, shift_low, shift_unit;
+  int exponent;
+  bool defined;  // false: the ray has no answer (SEMANTICS 1.3)
+  bool misses;   // true: the ray misses the scene's ball, or t_max <= 0
+};
+
+WalkRay ray;
+
+// The components in an order that puts the ray's largest last, keeping the handedness.
+vec3 permute(vec3 v) { return ray.axis == 0 ? v.yzx : ray.axis == 1 ? v.zxy : v.xyz; }
+
+bool is_finite(ivec3 magnitude) { return max(max(magnitude.x, magnitude.y), magnitude.z) < 0x7f800000; }
+
+// Moves the origin of a far ray along it to two scene radii before the point next to the scene's centre. In floats alone o + t d would
+// be off by |o| 2^-24, so origin and shift are carried as unevaluated sums (high + low): three steps, each of which leaves 2^-21
+// of the distance before it. Everything is scaled by 2^-8 that nothing overflows. Rays that are near take no step.
+void approach_scene(bool is_far) {
+  vec3 high = ray.o * SHIFT_UNIT, low = vec3(0.0);
+  vec3 center = u_center * SHIFT_UNIT;
+  float shift_high = 0.0, shift_low = 0.0;
+  float back = 2.0 * u_radius * SHIFT_UNIT * sqrt(dot(ray.dn, ray.dn));
+  int steps = is_far ? 3 : 0;
+  for (int i = 0; i < steps; ++i) {
+    float advance = dot((center - high) - low, ray.dn) - back;
+    vec3 step_high = advance * ray.d;
+    vec3 step_low = product_error(vec3(advance), ray.d, step_high);
+    vec3 sum = (high + step_high) * u_one;
+    low = low + (sum_error(high, step_high, sum) + step_low);
+    high = (sum + low) * u_one;
+    low = sum_error(sum, low, high);
+    float t_sum = opaque(shift_high + advance);
+    float z = opaque(t_sum - shift_high);
+    shift_low = shift_low + ((shift_high - opaque(t_sum - z)) + (advance - z));
+    shift_high = t_sum;
+  }
+  if (is_far) {
+    ray.o = (high + low) * (1.0 / SHIFT_UNIT);
+    ray.shift_high = shift_high;
+    ray.shift_low = shift_low;
+    ray.shift_unit = SHIFT_UNIT;
+    ray.exponent += SHIFT_EXPONENT;
+  }
+}
+
+void prepare_ray(vec3 origin, vec3 direction, float t_max) {
+  ivec3 o_magnitude = floatBitsToInt(origin) & ivec3(0x7fffffff);
+  ivec3 d_magnitude = floatBitsToInt(direction) & ivec3(0x7fffffff);
+  int t_magnitude = floatBitsToInt(t_max) & 0x7fffffff;
+  int largest = max(max(d_magnitude.x, d_magnitude.y), d_magnitude.z);
+  ray.defined = is_finite(o_magnitude) && is_finite(d_magnitude) && t_magnitude <= 0x7f800000 && largest > 0;
+  // What has no answer is replaced by something harmless, so that no NaN walks.
+  origin = ray.defined ? origin : u_center;
+  direction = ray.defined ? direction : vec3(0.0, 0.0, 1.0);
+  largest = ray.defined ? largest : 0x3f800000;
+  t_max = ray.defined ? t_max : 0.0;
+
+  int exponent;
+  float mantissa = split_exponent(largest, exponent);
+  exponent += ((floatBitsToInt(mantissa) >> 23) & 255) - 127;
+  ray.d = scale_exactly(direction, -exponent);
+  ray.o = u_scale_exponent == 0 ? origin : scale_exactly(origin, u_scale_exponent);
+  ray.exponent = -exponent - u_scale_exponent;
+  ray.inverse_d2 = 1.0 / dot(ray.d, ray.d);
+  ray.dn = ray.d * ray.inverse_d2;
+
+  vec3 size = abs(ray.d);
+  ray.axis = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
+  vec3 p = permute(ray.d);
+  float inverse = 1.0 / p.z;
+  ray.shear = vec3(p.x * inverse, p.y * inverse, inverse);
+
+  ray.shift_high = 0.0;
+  ray.shift_low = 0.0;
+  ray.shift_unit = 1.0;
+  vec3 m = u_center - ray.o;
+  bool is_far = !(dot(m, m) <= 4.0 * u_radius * u_radius);  // an overflow is far
+  bool leaves = is_far && dot(m * SHIFT_UNIT, ray.dn) <= 0.0;
+  approach_scene(is_far && !leaves);
+
+  // A far ray whose point next to the centre lies outside the ball misses; 1.25 covers the error of the walking origin.
+  m = u_center - ray.o;
+  vec3 f = m - dot(m, ray.dn) * ray.d;
+  bool passes = is_far && !(dot(f, f) <= 1.5625 * u_radius * u_radius);
+  bool positive = t_magnitude > 0 && floatBitsToInt(t_max) > 0;
+  ray.misses = leaves || passes || !positive;
+
+  float t_end = scale_exactly(t_max, -ray.exponent);
+  ray.t_best = ((t_end - ray.shift_high) - ray.shift_low) * (1.0 / ray.shift_unit);
+  ray.t_low = is_far ? -3.0e38 : 0.0;  // the scene lies before a far ray's walking origin
+}
+
+// t as the ray's own, never above its t_max: the bits of a float.
+uint given_t(float t, float t_max) {
+  float sum = (t * ray.shift_unit + ray.shift_low) + ray.shift_high;
+  return min(scaled_bits(max(sum, 0.0), ray.exponent), floatBitsToUint(t_max));
+}
