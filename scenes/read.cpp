@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "scenes/read.h"
 
+#include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <string_view>
 
 #include "scenes/error.h"
@@ -17,6 +19,14 @@ struct Format {
   Scene (*read)(const std::filesystem::path&, std::string text);
 };
 constexpr std::array<Format, 2> kFormats = {{{".nff", read_nff}, {".obj", read_obj}}};
+
+/// A number may be a float and what is built from it too large for one.
+void check_extent(const Scene& scene, const std::string& file) {
+  const auto is_finite = [](const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); };
+  if (!std::all_of(scene.positions.begin(), scene.positions.end(), is_finite)) {
+    throw InputError(file + ": coordinates are too large for 32-bit numbers; scale the scene down");
+  }
+}
 
 }  // namespace
 
@@ -36,6 +46,7 @@ Scene read_scene(const std::filesystem::path& path) {
     if (format.ending != ending) continue;
     Scene scene = format.read(path, read_text_file(path));
     scene.name = path.stem().string();
+    check_extent(scene, path.string());
     if (scene.primitive_count() == 0) {
       std::string message = path.string() + ": nothing to trace: no triangle or sphere was found";
       for (const std::string& warning : scene.warnings) message.append("; ").append(warning);

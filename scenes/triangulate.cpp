@@ -33,14 +33,20 @@ bool is_zero_sum(const std::array<double, 6>& terms) {
   return std::all_of(partial.begin(), partial.begin() + count, [](double part) { return part == 0.0; });
 }
 
-/// Newell's normal: twice the polygon's area vector.
-glm::dvec3 newell_normal(std::span<const glm::vec3> corners) {
-  glm::dvec3 normal(0.0);
+/// The direction to look along: Newell's normal (twice the area vector), or where the signed areas cancel (a figure of eight) the
+/// largest of the triangles that it sums. Zero where no three corners span an area.
+glm::dvec3 mean_normal(std::span<const glm::vec3> corners) {
+  glm::dvec3 normal(0.0), largest(0.0);
+  double total = 0.0;
   const glm::dvec3 origin(corners[0]);
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    normal += glm::cross(glm::dvec3(corners[i]) - origin, glm::dvec3(corners[(i + 1) % corners.size()]) - origin);
+  for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
+    const glm::dvec3 part = glm::cross(glm::dvec3(corners[i]) - origin, glm::dvec3(corners[i + 1]) - origin);
+    normal += part;
+    total += glm::length(part);
+    if (glm::dot(part, part) > glm::dot(largest, largest)) largest = part;
   }
-  return normal;
+  // Each part errs by a few units of 2^-53 of itself, the sum by as many as it has terms, kMaxPolygonCorners = 2^14 at most.
+  return glm::length(normal) > 0x1p-36 * total ? normal : largest;
 }
 
 // --- The polygon as GLU wants it -----------------------------------------------------------------------------------
@@ -176,7 +182,7 @@ Triangulation triangulate(std::span<const glm::vec3> corners) {
     result.too_complex = true;
     return result;
   }
-  const glm::dvec3 normal = newell_normal(corners);
+  const glm::dvec3 normal = mean_normal(corners);
   if (normal == glm::dvec3(0.0)) return result;
   if (corners.size() == 4 && is_convex_quad(corners, normal)) {
     result.triangles = {{0, 1, 2}, {0, 2, 3}};
