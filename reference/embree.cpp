@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "reference/hit_values.h"
@@ -21,6 +22,8 @@ namespace plumbline {
 namespace {
 
 constexpr unsigned kTriangleGeometry = 0, kSphereGeometry = 1;
+/// Embree takes t = tnear for a hit, SEMANTICS leaves t = 0 out: the least t that is not flushed to zero.
+constexpr float kNear = std::numeric_limits<float>::min();
 constexpr std::size_t kBlock = 64;  ///< rays that one task converts, traces and evaluates at a time
 
 struct Center {
@@ -204,7 +207,7 @@ struct EmbreeScene::Impl {
     ray.dir_x = static_cast<float>(line.direction.x);
     ray.dir_y = static_cast<float>(line.direction.y);
     ray.dir_z = static_cast<float>(line.direction.z);
-    ray.tnear = 0.0f;
+    ray.tnear = kNear;
     ray.tfar = static_cast<float>(last);
     ray.time = 0.0f;
     ray.mask = 0xffffffffu;
@@ -300,7 +303,7 @@ std::size_t EmbreeScene::intersect_only(std::span<const Ray> rays) const {
       RTCRay& ray = ray_hit.ray;
       ray.org_x = given.origin.x, ray.org_y = given.origin.y, ray.org_z = given.origin.z;
       ray.dir_x = given.direction.x, ray.dir_y = given.direction.y, ray.dir_z = given.direction.z;
-      ray.tnear = 0.0f, ray.tfar = given.t_max;
+      ray.tnear = kNear, ray.tfar = given.t_max;
       ray.mask = 0xffffffffu;
       clear_hit(ray_hit);
       rtcIntersect1(impl_->scene, &context.base, &ray_hit);
