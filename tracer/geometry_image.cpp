@@ -14,7 +14,7 @@
 namespace plumbline {
 namespace {
 
-constexpr int kMinWidth = 16, kMaxWidth = 16384;
+constexpr int kMinWidth = 16;
 constexpr int kExtremeExponent = 20;  // radii in [2^-20, 2^20] are walked as they are
 
 glm::vec3 scaled(const glm::vec3& v, int exponent) {
@@ -128,7 +128,7 @@ std::vector<std::uint32_t> ordered_children(const SphereTree& tree, std::uint32_
 void allocate_texels(std::uint64_t texels, GeometryImage& image) {
   std::uint64_t width = image.options.width, height = image.options.width;
   while (width * height < texels) (height > width ? width : height) *= 2;
-  if (height > kMaxWidth) {
+  if (height > kMaxImageWidth) {
     throw InputError("the geometry image of " + image.scene_name + " needs " + std::to_string(texels) +
                      " texels, more than a texture of 16384 x 16384 holds; use links `threaded`, layout `compact`, or "
                      "a smaller scene");
@@ -138,7 +138,7 @@ void allocate_texels(std::uint64_t texels, GeometryImage& image) {
 }
 
 GeometryImage bake(const Scene& scene, const SphereTree& tree, const BakeOptions& options) {
-  if (options.width < kMinWidth || options.width > kMaxWidth ||
+  if (options.width < kMinWidth || options.width > kMaxImageWidth ||
       !std::has_single_bit(static_cast<unsigned>(options.width))) {
     throw InputError("the image's width is " + std::to_string(options.width) +
                      ", but must be a power of two from 16 to 16384");

@@ -58,6 +58,7 @@ namespace plumbline {
 inline constexpr int kGeometryImageVersion = 1;
 inline constexpr std::uint32_t kWordBase = 0x3f800000u;  ///< compact, aabb: makes every word a normal float
 inline constexpr std::uint32_t kEndWord = 0xff800000u;   ///< compact: -infinity
+inline constexpr int kMaxImageWidth = 16384;             ///< and height, in texels
 inline constexpr int kMaxPayloadBits = 23;  ///< compact: at least the exponent of the squared radius is kept
 inline constexpr float kKindTriangle = 0.0f, kKindSphere = 1.0f;
 inline constexpr int kLinkTriangle = -1, kLinkSphere = -2, kLinkEnd = -3;
