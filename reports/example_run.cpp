@@ -89,7 +89,7 @@ CaseRecord example_case(const std::string& family, const std::string& scene, std
   record.verdicts["tie"] = edges ? 4000 + random.below(9000) : random.below(3);
   record.verdicts["grazing"] = edges ? 200 + random.below(900) : random.below(6);
   if (family == "not_a_number") record.verdicts["undefined"] = 9000 + random.below(900);
-  if ((row + 2 * column) % 17 == 3) record.verdicts["reference_wrong"] = 1 + random.below(4);
+  if ((row + 2 * column) % 17 == 3) record.verdicts["reference_wrong"] = options.rays_per_case / 2 + random.below(4);
   record.max_margin_ratio = random.uniform(0.3, 0.97);
   if (options.failing && row == 2 && column == 1) {
     record.status = CaseStatus::failed;

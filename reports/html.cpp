@@ -50,7 +50,7 @@ std::string tiles(const RunRecord& run, const RunSummary& total) {
         tile("rays judged", grouped(total.rays - total.without_verdict),
              total.without_verdict ? grouped(total.without_verdict) + " without a verdict" : "none without a verdict");
     html += tile("agree", percent(count("agree"), total.rays),
-                 grouped(total.rays - count("agree")) + " settled by arithmetic");
+                 grouped(total.rays - count("agree")) + " do not simply agree");
     html += tile("tracer wrong", grouped(count("tracer_wrong") + count("leak") + count("capped")),
                  "tracer_wrong, leak or capped");
     html += tile("reference wrong", grouped(count("reference_wrong")),
@@ -130,12 +130,11 @@ std::string past_runs(const ReportOptions& options) {
             html_escape(past.commit.substr(0, 10)) + "</code></td></tr>";
   }
   return "<details class=\"past\"><summary>Earlier runs, the latest last: <span class=\"strip\">" + strip +
-         "</span></summary><div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Earlier "
-         "runs\"><table><thead><tr>"
-         "<th scope=\"col\">started</th><th scope=\"col\">result</th><th scope=\"col\" class=\"n\">cases "
-         "passed</th><th scope=\"col\" class=\"n\">"
-         "rays</th><th scope=\"col\" class=\"n\">time</th><th scope=\"col\">commit</th></tr></thead><tbody>" +
-         rows + "</tbody></table></div></details>";
+         "</span></summary>" +
+         page::framed_table("Earlier runs", "", "past-runs",
+                            {{"started"}, {"result"}, {"cases passed", "n"}, {"rays", "n"}, {"time", "n"}, {"commit"}},
+                            rows) +
+         "</details>";
 }
 
 std::string driver_html(const RunRecord& run) {
@@ -154,16 +153,13 @@ std::string driver_html(const RunRecord& run) {
                    : " It has none of the known faults.";
   html += "</p>";
   if (!ordered.empty()) {
-    html +=
-        "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Faults of the driver\"><table "
-        "class=\"findings\"><thead><tr>"
-        "<th scope=\"col\">fault</th><th scope=\"col\">here</th><th scope=\"col\">what was expected, what "
-        "came</th></tr></thead><tbody>";
+    std::string rows;
     for (const DriverFinding* finding : ordered)
-      html += "<tr><th scope=\"row\">" + html_escape(finding->name) + "</th><td>" +
+      rows += "<tr><th scope=\"row\">" + html_escape(finding->name) + "</th><td>" +
               (finding->found ? "<span class=\"found\">▲ found</span>" : "<span class=\"soft\">absent</span>") +
               "</td><td>" + html_escape(finding->detail) + "</td></tr>";
-    html += "</tbody></table></div>";
+    html += page::framed_table("Faults of the driver", "", "findings",
+                               {{"fault"}, {"here"}, {"what was expected, what came"}}, rows);
   }
   return html + "</section>";
 }
@@ -180,12 +176,13 @@ std::string ray_sections(const RunRecord& run, const RunSummary& total) {
   std::string html;
   if (wrong || reference_shown)
     html +=
-        "<section id=\"reference\" class=\"card\"><h2>Where the reference was wrong</h2><p>Exact arithmetic takes the "
-        "ray's floats as exact "
-        "numbers and says that the reference erred on " +
-        counted(std::max(wrong, reference_shown), "ray") + "; " + grouped(reference_shown) +
-        " of them are listed. These do not fail a case. The column <i>exact</i> is the proof: it repeats with "
-        "the command of the row.</p><div class=\"rays\" data-verdict=\"reference_wrong\"></div></section>";
+        "<section id=\"reference\" class=\"card\"><h2>Where the reference was wrong</h2><p>Exact arithmetic takes a "
+        "ray's "
+        "floats as exact numbers and says that the reference erred on " +
+        counted(std::max(wrong, reference_shown), "ray") + "; " +
+        (reference_shown >= wrong ? "all are" : grouped(reference_shown) + " of them are") +
+        " listed. This fails no case. The exact answer is the proof: the command of the row repeats it.</p>"
+        "<div class=\"rays\" data-verdict=\"reference_wrong\"></div></section>";
   if (shown)
     html +=
         "<section id=\"rays\" class=\"card\"><h2>Rays worth looking at</h2><p>The worst rays of each verdict, from all "

@@ -17,6 +17,14 @@ std::string_view glyph(CaseStatus status);            ///< "✓": status is neve
 std::string verdict_class(std::string_view verdict);  ///< "v-tie"; "v-other" for unknown names
 /// The stacked bar of `counts`, `full` rays wide; agreeing rays only where `with_agree`. SVG, a hundred per cent wide.
 std::string stacked_bar(const VerdictCounts& counts, std::uint64_t full, bool with_agree);
+struct Column {
+  std::string heading;   ///< HTML; empty: no heading
+  const char* css = "";  ///< class: "n" for numbers
+};
+/// A table that scrolls sideways where the window is narrow. `caption` is HTML and stands above it, outside of what
+/// scrolls; `rows` is HTML.
+std::string framed_table(const std::string& label, const std::string& caption, const std::string& css_class,
+                         const std::vector<Column>& columns, const std::string& rows);
 /// A command in a box that the page's script gives a copy button.
 std::string command_box(std::string_view command);
 

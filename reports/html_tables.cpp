@@ -40,8 +40,8 @@ std::string cell_html(const Cell& cell, const std::vector<std::string>& ids, con
   if (cell.failing) title += ", " + grouped(cell.failing) + " of them failing";
   if (cell.cases > 1) title += ", " + counted(cell.cases, "case");
   return "<td class=\"" + link_class(cell.status) + "\"><a href=\"#" + ids[cell.worst] + "\" title=\"" +
-         html_escape(title) + "\">" + std::string(glyph(cell.status)) + "<small>" +
-         short_count(cell.failing ? cell.failing : cell.rays) + "</small></a></td>";
+         html_escape(title) + "\">" + std::string(glyph(cell.status)) +
+         (cell.rays ? "<small>" + short_count(cell.failing ? cell.failing : cell.rays) + "</small>" : "") + "</a></td>";
 }
 
 std::string legend_of(const std::vector<std::string>& verdicts) {
@@ -81,15 +81,9 @@ std::string verdict_table(const RunRecord& run, const std::string& what, const s
   }
   if (rows.empty()) return "";
 
-  std::string html =
-      "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Verdicts by " + what +
-      "\"><table class=\"verdicts\"><caption>Verdicts by " + what +
-      ", in rays. The bar shows those that do not simply agree; " +
-      (most ? "its full width is " + counted(most, "ray") + "." : "there are none.") +
-      "</caption><thead><tr><th scope=\"col\">" + what +
-      "</th><th scope=\"col\" class=\"n\">rays</th><th scope=\"col\" class=\"bar\">other than agree</th>";
-  for (const std::string& name : verdicts) html += "<th scope=\"col\" class=\"n\">" + html_escape(name) + "</th>";
-  html += "</tr></thead><tbody>";
+  std::vector<Column> columns = {{what}, {"rays", "n"}, {"other than agree", "bar"}};
+  for (const std::string& name : verdicts) columns.push_back({html_escape(name), "n"});
+  std::string html;
   for (const Row& row : rows) {
     html += "<tr><th scope=\"row\">" + html_escape(row.label) + "</th><td class=\"n\">" + grouped(row.rays) +
             "</td><td class=\"bar\">" + stacked_bar(row.counts, most, false) + "<small>" +
@@ -103,7 +97,10 @@ std::string verdict_table(const RunRecord& run, const std::string& what, const s
     }
     html += "</tr>";
   }
-  return html + "</tbody></table></div>";
+  return framed_table("Verdicts by " + what,
+                      "Verdicts by " + what + ", in rays. The bar shows those that do not simply agree; " +
+                          (most ? "its full width is " + counted(most, "ray") + "." : "there are none."),
+                      "verdicts", columns, html);
 }
 
 }  // namespace
@@ -115,7 +112,7 @@ std::string verdict_class(std::string_view verdict) {
 }
 
 std::string stacked_bar(const VerdictCounts& counts, std::uint64_t full, bool with_agree) {
-  constexpr double kLeast = 0.6;  // per cent: one ray of a million is still seen
+  constexpr double kLeast = 1.0;  // per cent: one ray of a million is still seen
   struct Part {
     std::string name;
     double width;
@@ -138,6 +135,18 @@ std::string stacked_bar(const VerdictCounts& counts, std::uint64_t full, bool wi
     x += width;
   }
   return "<svg class=\"stack\" aria-hidden=\"true\">" + rects + "</svg>";
+}
+
+std::string framed_table(const std::string& label, const std::string& caption, const std::string& css_class,
+                         const std::vector<Column>& columns, const std::string& rows) {
+  std::string html = caption.empty() ? "" : "<p class=\"caption\">" + caption + "</p>";
+  html += "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"" + label + "\"><table class=\"" +
+          css_class + "\"><thead><tr>";
+  for (const Column& column : columns) {
+    const std::string css = *column.css ? " class=\"" + std::string(column.css) + "\"" : "";
+    html += column.heading.empty() ? "<td></td>" : "<th scope=\"col\"" + css + ">" + column.heading + "</th>";
+  }
+  return html + "</tr></thead><tbody>" + rows + "</tbody></table></div>";
 }
 
 std::string matrix(const RunRecord& run, const std::vector<std::string>& ids) {
@@ -170,28 +179,28 @@ std::string matrix(const RunRecord& run, const std::vector<std::string>& ids) {
 
   std::string html;
   if (std::find(row_used.begin(), row_used.end(), true) != row_used.end()) {
-    html +=
-        "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Families and scenes\"><table "
-        "class=\"matrix\">"
-        "<caption>Each cell is a family of rays on a scene: its status and its rays (k thousand, M million); where it "
-        "failed, the rays that failed it. It leads to the case.</caption><thead><tr><td></td>";
+    std::vector<Column> columns = {{""}};
     for (std::size_t c = 0; c < scenes.size(); ++c)
-      if (column_used[c]) html += "<th scope=\"col\"><span>" + html_escape(scenes[c]) + "</span></th>";
-    html += "</tr></thead><tbody>";
+      if (column_used[c]) columns.push_back({"<span>" + html_escape(scenes[c]) + "</span>"});
+    std::string rows;
     for (std::size_t r = 0; r < families.size(); ++r) {
       if (!row_used[r]) continue;
-      html += "<tr><th scope=\"row\">" + html_escape(families[r]) + "</th>";
+      rows += "<tr><th scope=\"row\">" + html_escape(families[r]) + "</th>";
       for (std::size_t c = 0; c < scenes.size(); ++c) {
         if (!column_used[c]) continue;
         const Cell& cell = cells[r * scenes.size() + c];
-        html += cell.cases ? cell_html(cell, ids, families[r], scenes[c]) : "<td class=\"none\"></td>";
+        rows += cell.cases ? cell_html(cell, ids, families[r], scenes[c]) : "<td class=\"none\"></td>";
       }
-      html += "</tr>";
+      rows += "</tr>";
     }
-    html +=
-        "</tbody></table></div><p class=\"key\"><span class=\"s-passed\">✓</span> passed <span "
-        "class=\"s-failed\">✗</span> failed "
-        "<span class=\"s-error\">!</span> error <span class=\"s-skipped\">–</span> skipped</p>";
+    html += framed_table(
+                "Families and scenes",
+                "Each cell is a family of rays on a scene: its status and its rays (k thousand, M million); where it "
+                "failed, the rays that failed it. It leads to the case.",
+                "matrix", columns, rows) +
+            "<p class=\"key\"><span class=\"s-passed\">✓</span> passed <span "
+            "class=\"s-failed\">✗</span> failed "
+            "<span class=\"s-error\">!</span> error <span class=\"s-skipped\">–</span> skipped</p>";
   }
   if (!others.empty())
     html += (html.empty() ? "" : "<h3>Cases outside the matrix</h3>") + ("<ul class=\"chips\">" + others + "</ul>");
@@ -220,15 +229,11 @@ std::string figures(const RunRecord& run, const std::vector<std::string>& ids) {
     }
   }
   if (rows.empty()) return "";
-  return "<section id=\"figures\" class=\"card\"><h2>Measurements</h2><div class=\"scroll\" tabindex=\"0\" "
-         "role=\"region\" "
-         "aria-label=\"Measurements\"><table><caption>Measured figures: the median where there were several rounds, "
-         "and their "
-         "range.</caption><thead><tr><th scope=\"col\">figure</th><th scope=\"col\" class=\"n\">value</th><th "
-         "scope=\"col\">unit</th>"
-         "<th scope=\"col\" class=\"n\">range</th><th scope=\"col\" class=\"n\">rounds</th><th "
-         "scope=\"col\">case</th></tr></thead><tbody>" +
-         rows + "</tbody></table></div></section>";
+  return "<section id=\"figures\" class=\"card\"><h2>Measurements</h2>" +
+         framed_table("Measurements", "Measured figures: the median where there were several rounds, and their range.",
+                      "figures", {{"figure"}, {"value", "n"}, {"unit"}, {"range", "n"}, {"rounds", "n"}, {"case"}},
+                      rows) +
+         "</section>";
 }
 
 }  // namespace plumbline::page

@@ -60,7 +60,7 @@ std::vector<std::vector<std::string>> unpacked(const RunRecord& run) {
 
 TEST_CASE("html: the first thing said is the verdict") {
   const std::string failed = page_of(example_run());
-  CHECK_THAT(failed, Catch::Contains("<h1>Failed: 3 of 24 cases. 11 rays are leak, 3 rays are tracer_wrong.</h1>"));
+  CHECK_THAT(failed, Catch::Contains("<h1>Failed: 3 of 24 cases. 11 rays are judged leak, 3 tracer_wrong.</h1>"));
   CHECK_THAT(failed, Catch::Contains("<h2>What failed</h2>"));
   const std::string passed = page_of(example_run({.failing = false}));
   CHECK_THAT(passed,

@@ -121,7 +121,9 @@ std::string headline(const RunSummary& summary) {
     for (const std::string& name : verdicts_in_order(summary.verdicts)) {
       if (!verdict_always_fails(name)) continue;
       const std::uint64_t count = summary.verdicts.at(name);
-      rays += (rays.empty() ? " " : ", ") + counted(count, "ray") + (count == 1 ? " is " : " are ") + name;
+      rays += rays.empty() ? " " + counted(count, "ray") + (count == 1 ? " is judged " : " are judged ")
+                           : ", " + grouped(count) + " ";
+      rays += name;
     }
     if (!rays.empty()) text += rays + ".";
     if (summary.without_verdict) text += " " + counted(summary.without_verdict, "ray") + " without a verdict.";

@@ -48,7 +48,7 @@ std::uint64_t failing_rays(const CaseRecord& record);
 std::string message_of(const CaseRecord& record);
 
 /// "Passed: 20,480,000 rays in 268 cases, no ray without a verdict."
-/// "Failed: 3 of 268 cases. 12 rays are tracer_wrong, 1 ray is capped."
+/// "Failed: 3 of 268 cases. 12 rays are judged tracer_wrong, 1 capped."
 std::string headline(const RunSummary& summary);
 
 /// Values in the order of their first appearance, empty ones left out.

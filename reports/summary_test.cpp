@@ -72,7 +72,7 @@ TEST_CASE("text summary: failures with the command that repeats them, no colour 
   nasty.cases.back().message = kNastyText;
   CHECK(text_summary(nasty).find('\x1b') == std::string::npos);
   CHECK_THAT(markdown_summary(run),
-             Catch::StartsWith("# Failed: 3 of 24 cases. 11 rays are leak, 3 rays are tracer\\_wrong."));
+             Catch::StartsWith("# Failed: 3 of 24 cases. 11 rays are judged leak, 3 tracer\\_wrong."));
   CHECK_THAT(markdown_summary(run), Catch::Contains("| aimed\\_edges | 4 | 306,000 |"));
 }
 

@@ -93,31 +93,46 @@ const verdictOrder = verdict => { const i = kVerdicts.indexOf(verdict); return i
 const verdictChip = verdict => make('span', { className: 'chip' },
   make('i', { className: kVerdicts.includes(verdict) ? 'v-' + verdict : 'v-other' }), verdict);
 
+// Lines of a label and a text.
+function lines(pairs) {
+  const list = make('dl');
+  for (const [label, text, title] of pairs) if (text) list.append(make('dt', {}, label), make('dd', { title: title || '' }, text));
+  return list;
+}
+// Lets a dotted name break where it means something.
+function breakable(name) {
+  const out = document.createDocumentFragment();
+  for (const part of name.split(/(?<=[._])/)) out.append(part, make('wbr'));
+  return out;
+}
 const kColumns = [
   { name: 'verdict', key: r => verdictOrder(r.verdict), cell: r => verdictChip(r.verdict) },
-  { name: 'case', key: r => r.name, cell: r => make('a', { href: '#' + r.id }, r.name), when: o => o.withCase },
-  { name: 'ray', number: true, key: r => Number(r.index), cell: r => Number(r.index).toLocaleString('en') },
-  { name: 'origin, direction, t_max', className: 'ray', cell: (r, hex) => {
+  { name: 'case, ray', key: r => r.name + ' ' + r.index, when: o => o.withCase, cell: r => {
     const cell = document.createDocumentFragment();
-    for (const [label, text] of [['o', r.origin], ['d', r.direction], ['t', r.t_max]]) {
-      if (cell.childNodes.length) cell.append(make('br'));
-      cell.append(make('b', {}, label + ' '), make('span', { title: hex ? decimals(text) : text }, hex ? text.replaceAll(',', ', ') : decimals(text)));
-    }
+    const link = make('a', { href: '#' + r.id });
+    link.append(breakable(r.name));
+    cell.append(link, make('br'), 'ray ' + Number(r.index).toLocaleString('en'));
     return cell;
   } },
-  { name: 'tracer', className: 'say', key: r => r.tracer, cell: r => r.tracer },
-  { name: 'reference', className: 'say', key: r => r.reference, cell: r => r.reference },
-  { name: 'exact', className: 'say', key: r => r.exact, cell: r => r.exact, when: (o, rays) => rays.some(r => r.exact) },
+  { name: 'ray', number: true, key: r => Number(r.index), when: o => !o.withCase, cell: r => Number(r.index).toLocaleString('en') },
+  { name: 'origin, direction, t_max', className: 'mono', cell: (r, hex) => lines([['o', r.origin], ['d', r.direction], ['t', r.t_max]].map(
+    ([label, text]) => [label, hex ? text.replaceAll(',', ', ') : decimals(text), hex ? decimals(text) : text])) },
+  { name: 'answers', className: 'answers', key: r => r.tracer + r.reference,
+    cell: r => lines([['tracer', r.tracer], ['reference', r.reference], ['exact', r.exact]]) },
   { name: 'reason', className: 'why', key: r => r.reason, cell: r => r.reason },
-  { name: 'margin / bound', number: true, key: r => r.ratio, when: (o, rays) => rays.some(r => r.bound),
-    cell: r => r.bound ? `${r.margin || 0} / ${r.bound} = ${(r.ratio || 0).toPrecision(2)}` : '' },
-  { name: 'replay', cell: r => r.replay ? copyButton(r.replay, 'Copy command') : '' },
+  { name: 'margin\u200b/bound', number: true, key: r => r.ratio, when: (o, rays) => rays.some(r => r.bound), cell: r => {
+    const cell = document.createDocumentFragment();
+    if (r.bound) cell.append((r.ratio || 0).toPrecision(2), make('small', {}, r.margin || '0', make('br'), r.bound));
+    return cell;
+  } },
+  { name: 'replay', cell: r => r.replay ? copyButton(r.replay) : '' },
 ];
 const kPage = 50;
 
 // Fills `mount` with a table of rays that can be sorted and filtered.
 function mountRays(mount, packed, options) {
-  const rays = packed.map(unpack).filter(r => !options.verdict || r.verdict === options.verdict);
+  const rays = packed.map(unpack).filter(r => !options.verdict || r.verdict === options.verdict)
+    .sort((a, b) => verdictOrder(b.verdict) - verdictOrder(a.verdict));  // the gravest first
   const columns = kColumns.filter(c => !c.when || c.when(options, rays));
   let sorted = rays, shown = kPage, hex = true;
   const filter = make('input', { type: 'search', placeholder: 'Filter rays', ariaLabel: 'Filter rays' });
@@ -131,6 +146,7 @@ function mountRays(mount, packed, options) {
   const head = make('tr');
   for (const column of columns) {
     const cell = make('th', { scope: 'col', className: column.number ? 'n' : '' });
+    if (column.name === 'verdict' && !options.verdict) cell.setAttribute('aria-sort', 'descending');
     if (column.key) {
       const button = make('button', { type: 'button' }, column.name);
       button.onclick = () => {
