@@ -30,7 +30,8 @@ struct Image {
 /// Throws InputError for a file that is missing, a folder, truncated, or no image.
 Image read_image(const std::filesystem::path& path);
 
-/// Writes OpenEXR, 32-bit float, ZIP: every bit of every value comes back by read_image, and every attribute.
+/// Writes OpenEXR, 32-bit float, ZIP: every bit of every value comes back by read_image, and every attribute but empty
+/// strings.
 /// The file appears whole or not at all. Throws EnvironmentError where it cannot be written.
 void write_exr(const std::filesystem::path& path, const Image& image);
 

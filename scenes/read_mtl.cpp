@@ -197,6 +197,7 @@ void read_library(Scene& scene, const std::filesystem::path& path, std::map<std:
 
 std::map<std::string, std::uint32_t> read_materials(Scene& scene, const std::filesystem::path& obj_path,
                                                     const std::vector<NamedLine>& libraries) {
+  constexpr std::size_t kMostNames = 4096;  // characters of a statement beyond which it is junk, not a list of names
   std::map<std::string, std::uint32_t> by_name;
   std::vector<std::filesystem::path> done;
   for (const NamedLine& library : libraries) {
@@ -208,19 +209,17 @@ std::map<std::string, std::uint32_t> read_materials(Scene& scene, const std::fil
       std::error_code failure;
       return std::filesystem::is_regular_file(path, failure) && std::filesystem::file_size(path, failure) > 0;
     };
-    std::vector<std::filesystem::path> paths{beside(slashed)};
-    if (!is_file(paths[0])) {
-      paths.clear();
-      for (const std::string_view name : split_words(slashed)) paths.push_back(beside(name));
-    }
-    for (const std::filesystem::path& path : paths) {
+    std::vector<std::string_view> names{slashed};
+    if (!is_file(beside(slashed)) && slashed.size() < kMostNames) names = split_words(slashed);
+    for (const std::string_view name : names) {
+      const std::filesystem::path path = beside(name);
       if (std::find(done.begin(), done.end(), path) != done.end()) continue;
       done.push_back(path);
       if (is_file(path)) {
         read_library(scene, path, by_name);
       } else {
         scene.warnings.push_back(obj_path.string() + ":" + std::to_string(library.line) + ": the material file " +
-                                 shown(path.string()) + " is missing or empty: its materials are replaced by a white matte one");
+                                 shown(name) + " is missing or empty: its materials are replaced by a white matte one");
       }
     }
   }

@@ -26,8 +26,8 @@ std::string read_text_file(const std::filesystem::path& path) {
   if (text.empty()) throw InputError(name, 1, "the file is empty");
   const std::size_t nul = text.find('\0');
   if (nul != std::string::npos) {
-    std::string before = text.substr(0, nul);
-    throw InputError(name, std::max<std::size_t>(split_lines(before, false).size(), 1), "a NUL byte: this is not a text file");
+    std::string before = text.substr(0, nul) + " ";
+    throw InputError(name, split_lines(before, false).back().number, "a NUL byte: this is not a text file");
   }
   return text;
 }
