@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+// See merge.h.
+#include "reports/merge.h"
+
+#include <algorithm>
+#include <string>
+#include <unordered_map>
+
+#include "reports/files.h"
+#include "reports/html.h"
+#include "reports/journal.h"
+#include "reports/json.h"
+#include "reports/summary.h"
+#include "scenes/error.h"
+
+namespace plumbline {
+
+namespace fs = std::filesystem;
+
+RunRecord read_run(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::is_directory(folder, error))
+    throw InputError(folder.string() + ": no such folder; give the folder of a run");
+  return fs::exists(folder / "results.json", error) ? read_results(folder / "results.json") : read_journal(folder);
+}
+
+RunRecord merge_runs(const std::vector<RunRecord>& parts) {
+  if (parts.empty()) throw InputError("nothing to merge: give the folders of the shards");
+  RunRecord run = parts[0];
+  run.cases.clear();
+  run.planned_cases = 0;
+  std::unordered_map<std::string, std::size_t> position;
+  for (const RunRecord& part : parts) {
+    const auto same = [&](const char* what, const std::string& a, const std::string& b) {
+      if (a != b)
+        throw InputError("shards of different runs cannot be merged: their " + std::string(what) + " is \"" + a +
+                         "\" and \"" + b + "\"");
+    };
+    same("version", run.version, part.version);
+    same("commit", run.commit, part.commit);
+    same("seed", std::to_string(run.seed), std::to_string(part.seed));
+    same("driver", run.driver_renderer + ", " + run.driver_version, part.driver_renderer + ", " + part.driver_version);
+    run.started = std::min(run.started, part.started);
+    run.seconds = std::max(run.seconds, part.seconds);
+    // A shard cut short has planned more than it did.
+    run.planned_cases += std::max<std::uint64_t>(part.planned_cases, part.cases.size());
+    for (const CaseRecord& record : part.cases) {
+      const auto [found, is_new] = position.emplace(record.name, run.cases.size());
+      if (is_new) {
+        run.cases.push_back(record);
+        continue;
+      }
+      --run.planned_cases;
+      CaseRecord& kept = run.cases[found->second];
+      if (is_failure(outcome(record)) && !is_failure(outcome(kept))) kept = record;
+    }
+  }
+  return run;
+}
+
+RunRecord merge_reports(const std::vector<fs::path>& folders, const fs::path& out) {
+  std::vector<RunRecord> parts;
+  for (const fs::path& folder : folders) parts.push_back(read_run(folder));
+  const RunRecord run = merge_runs(parts);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    for (const CaseRecord& record : parts[i].cases) {
+      for (const PictureRecord& picture : record.pictures) {
+        // Only pictures of the run's own folder: a path that leaves it is not followed.
+        const fs::path path = fs::path(picture.path).lexically_normal();
+        std::error_code error;
+        if (path.is_absolute() || path.empty() || *path.begin() == ".." ||
+            !fs::is_regular_file(folders[i] / path, error))
+          continue;
+        if (fs::equivalent(folders[i] / path, out / path, error)) continue;
+        write_text(out / path, read_text(folders[i] / path));
+      }
+    }
+  }
+  write_report(run, out);
+  return run;
+}
+
+}  // namespace plumbline

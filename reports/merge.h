@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+// Shards of one run, made into one run again.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "reports/record.h"
+
+namespace plumbline {
+
+/// The run in `folder`: its results.json, or the journal of a run that was cut short. Throws InputError.
+RunRecord read_run(const std::filesystem::path& folder);
+
+/// The parts as one run: cases in the order of the parts. A case that every shard asks (those that question the driver)
+/// is kept once, a failure before a pass. The run lasted as long as the longest shard. Throws InputError where there
+/// are no parts, or they differ in version, commit, seed or driver: then they are not parts of one run.
+RunRecord merge_runs(const std::vector<RunRecord>& parts);
+
+/// Reads the folders, merges, copies the pictures and writes the report into `out`. Throws InputError and
+/// EnvironmentError.
+RunRecord merge_reports(const std::vector<std::filesystem::path>& folders, const std::filesystem::path& out);
+
+}  // namespace plumbline
