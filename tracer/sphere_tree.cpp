@@ -15,8 +15,8 @@
 namespace plumbline {
 namespace {
 
-/// Places looked for by reinsertion: some two seconds' work. Scenes of up to 10^5 primitives take less.
-constexpr std::size_t kMovesTried = std::size_t{1} << 20;
+/// Nodes that reinsertion may look at: some two seconds' work. Scenes of up to 10^5 primitives take less.
+constexpr std::size_t kReinsertVisits = std::size_t{1} << 25;
 /// What kSplitBest tries beside 0, the smallest first: where it splits nothing, the others do not either.
 constexpr float kSplitTrials[] = {0.0625f, 0.25f};
 /// kSplitBest means 0 for larger scenes: several builds would take too long, and their triangles are seldom long.
@@ -24,7 +24,7 @@ constexpr std::uint32_t kMaxSplitSearch = 300'000;
 
 SphereTree build_from(References references, const TreeOptions& options, int threads) {
   std::vector<BinaryNode> nodes = split_references(references, threads);
-  reinsert_subtrees(nodes, references, kMovesTried);
+  reinsert_subtrees(nodes, references, kReinsertVisits);
   fit_balls(nodes, references, threads);
   return select_nodes(nodes, references, options);
 }

@@ -99,6 +99,11 @@ void add_reference(References& references, std::uint32_t primitive, std::span<co
   references.list.push_back(reference);
 }
 
+void add_triangle(References& references, std::uint32_t primitive, const std::array<glm::vec3, 3>& corners) {
+  const std::array<FloatBall, 3> balls{FloatBall{corners[0]}, FloatBall{corners[1]}, FloatBall{corners[2]}};
+  add_reference(references, primitive, balls);
+}
+
 void add_part(References& references, const Part& part) {
   double largest = 0.0;
   for (const glm::dvec3& corner : part.corners)
@@ -145,17 +150,45 @@ void add_split(References& references, const Scene& scene, const std::vector<std
   }
   // Those that were never cut are whole triangles with exact corners.
   for (const Part& part : done) {
-    if (part.cuts > 0) {
+    if (part.cuts > 0)
       add_part(references, part);
-    } else {
-      std::array<FloatBall, 3> balls;
-      for (int i = 0; i < 3; ++i) balls[i].center = scene.corners(part.primitive)[i];
-      add_reference(references, part.primitive, balls);
-    }
+    else
+      add_triangle(references, part.primitive, scene.corners(part.primitive));
   }
 }
 
 bool is_finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+/// Every coordinate that is used must be finite, and so must a sphere's box.
+void check_coordinates(const Scene& scene) {
+  for (std::uint32_t primitive = 0; primitive < scene.primitive_count(); ++primitive) {
+    bool good = true;
+    if (scene.is_triangle(primitive)) {
+      for (const glm::vec3& corner : scene.corners(primitive)) good = good && is_finite(corner);
+    } else {
+      const Sphere& sphere = scene.sphere(primitive);
+      for (int axis = 0; axis < 3; ++axis)
+        good = good && std::isfinite(sum_up(sphere.center[axis], sphere.radius)) &&
+               std::isfinite(sum_down(sphere.center[axis], -sphere.radius));
+    }
+    if (!good)
+      throw InputError(
+          "scene " + scene.name + ": primitive " + std::to_string(primitive) +
+          " has a coordinate that is not a number, or too large for 32 bits; mend it or scale the scene down");
+  }
+}
+
+/// The radius of the smallest ball around everything.
+double scene_radius(const Scene& scene) {
+  std::vector<FloatBall> everything;
+  for (const Triangle& triangle : scene.triangles)
+    for (const std::uint32_t corner : triangle.position) everything.push_back({scene.positions[corner], 0.0f});
+  for (const Sphere& sphere : scene.spheres) everything.push_back({sphere.center, sphere.radius});
+  if (everything.empty()) return 0.0;
+  BallSupport support;
+  const glm::vec3 center(smallest_ball_center(everything, {}, support));
+  return enclosing_radius(everything, center);
+}
 
 }  // namespace
 
@@ -171,47 +204,25 @@ bool has_no_area(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
 }
 
 References collect_references(const Scene& scene, float split_long) {
+  check_coordinates(scene);
   References references;
   references.list.reserve(scene.primitive_count());
   references.balls.reserve(3 * scene.triangles.size() + scene.spheres.size());
-  const auto too_large = [&](std::uint32_t primitive) {
-    throw InputError("scene " + scene.name + ": primitive " + std::to_string(primitive) +
-                     " has a coordinate that is not finite or too large for 32 bits; scale the scene down");
-  };
-  double limit = 0.0;
-  if (split_long > 0.0f) {
-    std::vector<FloatBall> everything;
-    for (const Triangle& triangle : scene.triangles)
-      for (const std::uint32_t corner : triangle.position) everything.push_back({scene.positions[corner], 0.0f});
-    for (const Sphere& sphere : scene.spheres) everything.push_back({sphere.center, sphere.radius});
-    if (everything.empty()) return references;
-    BallSupport support;
-    const glm::vec3 center(smallest_ball_center(everything, {}, support));
-    limit = static_cast<double>(split_long) * enclosing_radius(everything, center);
-  }
-
+  const double limit = split_long > 0.0f ? split_long * scene_radius(scene) : 0.0;
   std::vector<std::uint32_t> long_ones;
   for (std::uint32_t primitive = 0; primitive < scene.primitive_count(); ++primitive) {
     if (!scene.is_triangle(primitive)) {
-      const Sphere& sphere = scene.sphere(primitive);
-      if (!is_finite(sphere.center) || !std::isfinite(sphere.radius)) too_large(primitive);
-      if (!(sphere.radius > 0.0f)) continue;
-      const FloatBall ball{sphere.center, sphere.radius};
-      add_reference(references, primitive, {&ball, 1});
-      const Box& box = references.list.back().box;
-      if (!is_finite(box.lower) || !is_finite(box.upper)) too_large(primitive);
+      const FloatBall ball{scene.sphere(primitive).center, scene.sphere(primitive).radius};
+      if (ball.radius > 0.0f) add_reference(references, primitive, {&ball, 1});
       continue;
     }
     const std::array<glm::vec3, 3> corners = scene.corners(primitive);
-    for (const glm::vec3& corner : corners)
-      if (!is_finite(corner)) too_large(primitive);
     if (has_no_area(corners[0], corners[1], corners[2])) continue;
     if (split_long > 0.0f && longest_edge(corners) > limit) {
       long_ones.push_back(primitive);
       continue;
     }
-    const std::array<FloatBall, 3> balls{FloatBall{corners[0]}, FloatBall{corners[1]}, FloatBall{corners[2]}};
-    add_reference(references, primitive, balls);
+    add_triangle(references, primitive, corners);
   }
   if (!long_ones.empty()) add_split(references, scene, long_ones, limit);
   return references;

@@ -11,6 +11,9 @@ namespace {
 
 /// A pass that lowers the sum by less than this share is the last.
 constexpr double kWorthwhile = 0.002;
+/// Nodes looked at for one place. A few dozen do in ordinary scenes; where everything lies within everything else, as
+/// in a nest of concentric spheres, bounds exclude nothing and each search would look at the whole tree.
+constexpr std::size_t kMaxVisitsPerPlace = 1000;
 
 struct LinkedNode {
   Box box;
@@ -48,23 +51,23 @@ class Optimizer {
     }
   }
 
-  /// Tries the largest subtrees, at most `count` of them. Returns how many were tried.
-  std::size_t pass(std::size_t count) {
+  /// Tries all subtrees, the largest first, until `max_visits` nodes in all have been looked at.
+  void pass(std::size_t max_visits) {
     std::vector<std::uint32_t> order;
     for (std::uint32_t i = 1; i < nodes_.size(); ++i)
       if (nodes_[i].parent != 0) order.push_back(i);
-    const auto larger = [this](std::uint32_t a, std::uint32_t b) {
+    std::sort(order.begin(), order.end(), [this](std::uint32_t a, std::uint32_t b) {
       return nodes_[a].cost != nodes_[b].cost ? nodes_[a].cost > nodes_[b].cost : a < b;
-    };
-    std::sort(order.begin(), order.end(), larger);
-    if (order.size() > count) order.resize(count);
+    });
     for (const std::uint32_t node : order) {
+      if (visits_ >= max_visits) return;
       if (nodes_[node].parent == 0) continue;  // since this pass began
       const std::uint32_t place = best_place(node);
       if (place != kNone) move(node, place);
     }
-    return order.size();
   }
+
+  std::size_t visits() const { return visits_; }
 
   double cost() const {
     double sum = 0.0;
@@ -100,11 +103,12 @@ class Optimizer {
   /// that holds its new place as well. Putting it beside `place` adds a parent around both, and grows all between.
   std::uint32_t best_place(std::uint32_t node) {
     best_gain_ = 0.0, best_place_ = kNone;
+    stop_at_ = visits_ + kMaxVisitsPerPlace;
     const std::uint32_t parent = nodes_[node].parent;
     double freed = nodes_[parent].cost;
     Box left = nodes_[sibling(node)].box;  // what remains below `below` without the node
     search(node, sibling(node), freed);
-    for (std::uint32_t below = parent, pivot = nodes_[parent].parent; pivot != kNone;
+    for (std::uint32_t below = parent, pivot = nodes_[parent].parent; pivot != kNone && visits_ < stop_at_;
          below = pivot, pivot = nodes_[pivot].parent) {
       search(node, sibling(below), freed);
       left.add(nodes_[sibling(below)].box);
@@ -124,7 +128,8 @@ class Optimizer {
   void search(std::uint32_t node, std::uint32_t root, double freed) {
     const double least_added = nodes_[node].cost;  // a parent of `node` and anything is no smaller
     queue_.assign(1, {freed, root});
-    while (!queue_.empty()) {
+    while (!queue_.empty() && visits_ < stop_at_) {
+      ++visits_;
       std::pop_heap(queue_.begin(), queue_.end());
       const auto [gain, place] = queue_.back();
       queue_.pop_back();
@@ -189,19 +194,20 @@ class Optimizer {
 
   std::vector<LinkedNode> nodes_;
   std::vector<std::pair<double, std::uint32_t>> queue_;  ///< a heap, kept so that its memory is
+  std::size_t visits_ = 0, stop_at_ = 0;
   double best_gain_ = 0.0;
   std::uint32_t best_place_ = kNone;
 };
 
 }  // namespace
 
-void reinsert_subtrees(std::vector<BinaryNode>& nodes, References& references, std::size_t max_moves_tried) {
-  if (nodes.size() < 5) return;  // two references or three: nothing to move
+void reinsert_subtrees(std::vector<BinaryNode>& nodes, References& references, std::size_t max_visits) {
+  if (nodes.size() < 5) return;  // two references or fewer: nothing to move
   Optimizer optimizer(nodes);
   nodes = {};  // its memory; written anew below
   double cost = optimizer.cost();
-  for (std::size_t left = max_moves_tried; left > 0;) {
-    left -= std::min(left, optimizer.pass(left));
+  while (optimizer.visits() < max_visits) {
+    optimizer.pass(max_visits);
     const double lower = optimizer.cost();
     if (!(lower < (1.0 - kWorthwhile) * cost)) break;
     cost = lower;

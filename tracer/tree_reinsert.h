@@ -14,8 +14,8 @@ inline constexpr int kMaxBinaryDepth = 128;
 
 /// Takes subtrees out and puts them back where the sum of squared diagonals over all inner nodes falls most (Bittner,
 /// Hapala and Havran 2013), the largest first, pass after pass while that pays. Reorders `references.list` and `nodes`,
-/// which stay in depth-first order. At most `max_moves_tried` places are looked for: the work is bounded, not the
-/// result.
-void reinsert_subtrees(std::vector<BinaryNode>& nodes, References& references, std::size_t max_moves_tried);
+/// which stay in depth-first order. `max_visits` bounds the work, counted in nodes looked at, and so the same on every
+/// machine.
+void reinsert_subtrees(std::vector<BinaryNode>& nodes, References& references, std::size_t max_visits);
 
 }  // namespace plumbline

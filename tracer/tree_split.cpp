@@ -17,8 +17,6 @@ namespace {
 constexpr int kBins = 64;
 /// Up to this many references every position along every axis is tried.
 constexpr std::uint32_t kSweepCount = 64;
-/// From this depth on nodes are halved by count. A tree is then at most kMaxSplitDepth + 32 deep, whatever the scene.
-constexpr int kMaxSplitDepth = 64;
 /// A subtree of at most this share of all references is one task.
 constexpr std::uint32_t kTaskShare = 16;
 

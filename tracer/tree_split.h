@@ -21,6 +21,9 @@ struct BinaryNode {
   std::uint32_t second_child = 0;      ///< 0: a single reference
 };
 
+/// From this depth on nodes are halved by count, so that no scene makes a tree deeper than this and log2 of its size.
+inline constexpr int kMaxSplitDepth = 64;
+
 /// Orders `references.list` and returns the binary tree over it down to single references, boxes filled in. Splits
 /// minimise the sum of count times squared diagonal of the box: for spheres a better guide than the box's surface,
 /// since a ball's radius follows the diagonal. The result does not depend on the number of threads.
