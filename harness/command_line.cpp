@@ -151,7 +151,7 @@ int bench(const Arguments& a) {
 
 int faults() {
   Progress progress;
-  const std::vector<FaultResult> results = run_faults([&](double share, const std::string& what) { progress.show(share, what); });
+  const std::vector<FaultResult> results = run_faults(1, [&](double share, const std::string& what) { progress.show(share, what); });
   progress.clear();
   bool all = true;
   for (const FaultResult& r : results) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The cases that take the tracer apart: `layers.*` (the tree against a loop over all primitives), `variants.*` (options that must not change an answer),
-// `bake.*` (the image on disk) and `driver.*` (what the GL implementation itself gets wrong).
+// The cases that take the tracer apart: `layers.*` (the tree against a loop over all primitives), `variants.*` (options that must not change an answer)
+// and `bake.*` (the image on disk).
 #include <algorithm>
 #include <bit>
 #include <cstring>
@@ -9,7 +9,6 @@
 #include "harness/catalogue.h"
 #include "harness/hit_cases.h"
 #include "scenes/error.h"
-#include "tracer/driver_cases.h"
 
 namespace plumbline {
 namespace {
@@ -136,25 +135,6 @@ Case bake_file_case(const ListedScene& scene) {
     }
   };
   return c;
-}
-
-std::vector<Case> driver_cases() {
-  std::vector<Case> cases;
-  for (const DriverCase& asked : all_driver_cases()) {
-    Case c;
-    c.name = "driver." + asked.name;
-    c.feature = "driver";
-    c.proves = asked.what;
-    c.run = [asked](CaseContext& context, const Case&, CaseRecord& record) {
-      const DriverResult result = run_driver_case(context.session.context(), asked);
-      record.message = result.detail;
-      record.figures.push_back({"fault found", "", result.found ? 1.0 : 0.0});
-      // A fault that the tracer is written around is named, and fails nothing; one that it relies on not being there fails.
-      if (result.found && !asked.tolerated) record.status = CaseStatus::failed;
-    };
-    cases.push_back(std::move(c));
-  }
-  return cases;
 }
 
 }  // namespace plumbline

@@ -18,7 +18,6 @@
 #include "reports/journal.h"
 #include "reports/text_summary.h"
 #include "scenes/error.h"
-#include "tracer/driver_cases.h"
 
 namespace plumbline {
 namespace {
@@ -139,11 +138,10 @@ RunRecord run_cases(const std::vector<Case>& all, const RunOptions& options) {
   run.seconds = spent_before + seconds_since(start);
 
   ReportOptions report;
-  RunChanges changes;
   if (!options.history.empty()) {
     History history(options.history);
-    changes = history.changes_since_last(run);
-    report.changes = &changes;
+    report.changes = history.changes_since_last(run);
+    report.past = history.last_runs(30);
     history.append_run(run);
   }
   write_report(run, options.out, report);

@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "reference/exact_values.h"
+#include "scenes/error.h"
 #include "scenes/random.h"
 
 namespace plumbline {

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The cases `driver.*`: what the GL implementation itself gets wrong, asked before anything else.
+#include "harness/catalogue.h"
+#include "tracer/driver_cases.h"
+
+namespace plumbline {
+
+std::vector<Case> driver_cases() {
+  std::vector<Case> cases;
+  for (const DriverCase& asked : all_driver_cases()) {
+    Case c;
+    c.name = "driver." + asked.name;
+    c.feature = "driver";
+    c.proves = asked.what;
+    c.run = [asked](CaseContext& context, const Case&, CaseRecord& record) {
+      const DriverResult result = run_driver_case(context.session.context(), asked);
+      record.message = result.detail;
+      record.figures.push_back({"fault found", "", result.found ? 1.0 : 0.0});
+      // A fault that the tracer is written around is named, and fails nothing; one that it relies on not being there fails.
+      if (result.found && !asked.tolerated) record.status = CaseStatus::failed;
+    };
+    cases.push_back(std::move(c));
+  }
+  return cases;
+}
+
+}  // namespace plumbline
