@@ -17,8 +17,8 @@ CameraFrame camera_frame(const Camera& camera) {
   frame.forward = view / distance;
   const glm::dvec3 side = glm::cross(frame.forward, glm::dvec3(camera.up));
   const double length = glm::length(side);
-  // The floats of `up` and the view are exact inputs, the cross product errs by a few units of 2^-53 of |up|: below that it
-  // has no direction.
+  // The floats of `up` and the view are exact inputs, the cross product errs by a few units of 2^-53 of |up|: below
+  // that it has no direction.
   if (!(length > 0x1p-50 * glm::length(glm::dvec3(camera.up))))
     throw InputError("camera: 'up' must not be zero nor parallel to the view");
   frame.right = side / length;
@@ -32,8 +32,8 @@ CameraFrame camera_frame(const Camera& camera) {
 }
 
 Ray camera_ray(const CameraFrame& frame, double x, double y) {
-  const glm::dvec3 direction = frame.forward + frame.pixel * (x - frame.centre_x) * frame.right +
-                               frame.pixel * (frame.centre_y - y) * frame.up;
+  const glm::dvec3 direction =
+      frame.forward + frame.pixel * (x - frame.centre_x) * frame.right + frame.pixel * (frame.centre_y - y) * frame.up;
   return {glm::vec3(frame.from), glm::vec3(glm::normalize(direction))};
 }
 

@@ -7,7 +7,8 @@
 
 namespace plumbline {
 
-/// The input is wrong (a file, an argument): what() is one line that names the place and says what to do. Exit status 2.
+/// The input is wrong (a file, an argument): what() is one line that names the place and says what to do. Exit
+/// status 2.
 struct InputError : std::runtime_error {
   using std::runtime_error::runtime_error;
   InputError(const std::string& file, std::size_t line, const std::string& message)
@@ -24,7 +25,7 @@ struct EnvironmentError : std::runtime_error {
 
 }  // namespace plumbline
 
-#define PLUMBLINE_ASSERT(condition) \
-  do { \
+#define PLUMBLINE_ASSERT(condition)                                                  \
+  do {                                                                               \
     if (!(condition)) ::plumbline::invariant_failed(#condition, __FILE__, __LINE__); \
   } while (false)

@@ -14,18 +14,17 @@ namespace plumbline {
 namespace {
 
 constexpr std::array<Generator, 10> kGenerators = {{
-    {"sphereflake", "SPD \"balls\": a sphere that bears nine of a third of its size, SIZE times over, above a square", 4, 1, 6,
-     make_sphereflake},
+    {"sphereflake", "SPD \"balls\": a sphere that bears nine of a third of its size, SIZE times over, above a square",
+     4, 1, 6, make_sphereflake},
     {"mount", "SPD: a fractal mountain of 2 * 4^SIZE triangles and four glass spheres", 4, 1, 7, make_mount},
     {"tetra", "SPD: a Sierpinski pyramid of 4^SIZE triangles", 4, 1, 10, make_tetra},
     {"rings", "SPD: a pyramid of SIZE layers of knots, each of 30 cylinders and 30 spheres", 3, 1, 12, make_rings},
     {"gears", "SPD: SIZE^3 gears whose faces are concave polygons of 144 corners", 2, 1, 8, make_gears},
     {"creature", "a closed animal of exactly 882 triangles with smooth normals", 1, 1, 1, make_creature},
     {"grid", "a height field of exactly SIZE triangles, open at its border", 100'000, 1, 20'000'000, make_grid},
-    {"torus", "a bumpy closed ring of SIZE triangles, rounded to what a grid of quadrilaterals gives", 100'000, 18, 20'000'000,
-     make_torus},
-    {"icosphere", "a ball of 20 * 4^SIZE triangles with smooth normals, closed", 4, 1, 10,
-     make_icosphere},
+    {"torus", "a bumpy closed ring of SIZE triangles, rounded to what a grid of quadrilaterals gives", 100'000, 18,
+     20'000'000, make_torus},
+    {"icosphere", "a ball of 20 * 4^SIZE triangles with smooth normals, closed", 4, 1, 10, make_icosphere},
     {"cube", "a cube of 12 triangles whose corners, edges and planes are exact in floats, closed", 1, 1, 1, make_cube},
 }};
 
@@ -80,8 +79,8 @@ Scene load_scene(std::string_view spec) {
   const std::filesystem::path path{std::string(spec)};
   std::error_code failure;
   if (!std::filesystem::exists(path, failure)) {
-    throw InputError(shown(spec) + ": neither a file nor a generator; files end in " + known_endings() + ", generators are " +
-                     known_generators());
+    throw InputError(shown(spec) + ": neither a file nor a generator; files end in " + known_endings() +
+                     ", generators are " + known_generators());
   }
   return read_scene(path);
 }

@@ -20,9 +20,9 @@ struct Generator {
 /// All generators, in a fixed order.
 std::span<const Generator> generators();
 
-/// The scene `name` of a size; 0 stands for the generator's default. Its name is "sphereflake_4", without the number where
-/// there is only one size. The same on every machine up to the C library's sine and logarithm.
-/// Throws InputError for an unknown name or a size out of range, listing what is known.
+/// The scene `name` of a size; 0 stands for the generator's default. Its name is "sphereflake_4", without the number
+/// where there is only one size. The same on every machine up to the C library's sine and logarithm. Throws InputError
+/// for an unknown name or a size out of range, listing what is known.
 Scene generate_scene(std::string_view name, int size = 0);
 
 /// A scene from what a user types: a path of a scene file, or a generator "sphereflake" or "sphereflake:4".

@@ -40,7 +40,8 @@ void finish(Scene& scene, const glm::vec3& color, bool is_smooth) {
   scene.background = {0.078f, 0.361f, 0.753f};
 }
 
-/// How far the creature's skin is from its middle in a direction: a body, and limbs as smooth lobes around their directions.
+/// How far the creature's skin is from its middle in a direction: a body, and limbs as smooth lobes around their
+/// directions.
 double creature_radius(const glm::dvec3& direction) {
   struct Lobe {
     glm::dvec3 towards;
@@ -69,8 +70,8 @@ double creature_radius(const glm::dvec3& direction) {
 }  // namespace
 
 Scene make_creature(int) {
-  // Circles of latitude around the axis from tail to snout: two caps and 20 bands of 21 sides are 2 * 21 * 21 = 882 triangles.
-  // Along each direction from the middle lies one point of the skin, so it cannot cross itself.
+  // Circles of latitude around the axis from tail to snout: two caps and 20 bands of 21 sides are 2 * 21 * 21 = 882
+  // triangles. Along each direction from the middle lies one point of the skin, so it cannot cross itself.
   constexpr int kSides = 21, kCircles = 21;
   Scene scene;
   const auto add = [&](const glm::dvec3& direction) {
@@ -85,9 +86,7 @@ Scene make_creature(int) {
     }
   }
   add({0, 0, -1});
-  const auto at = [&](int circle, int side) {
-    return static_cast<std::uint32_t>(1 + circle * kSides + side % kSides);
-  };
+  const auto at = [&](int circle, int side) { return static_cast<std::uint32_t>(1 + circle * kSides + side % kSides); };
   const auto last = static_cast<std::uint32_t>(scene.positions.size() - 1);
   for (int side = 0; side < kSides; ++side) add_triangle(scene, 0, at(0, side), at(0, side + 1));
   for (int circle = 0; circle + 1 < kCircles; ++circle) {
@@ -96,7 +95,8 @@ Scene make_creature(int) {
       add_triangle(scene, at(circle, side), at(circle + 1, side + 1), at(circle, side + 1));
     }
   }
-  for (int side = 0; side < kSides; ++side) add_triangle(scene, at(kCircles - 1, side), last, at(kCircles - 1, side + 1));
+  for (int side = 0; side < kSides; ++side)
+    add_triangle(scene, at(kCircles - 1, side), last, at(kCircles - 1, side + 1));
   finish(scene, {0.55f, 0.68f, 0.35f}, true);
   return scene;
 }
@@ -171,8 +171,9 @@ Scene make_icosphere(int divisions) {
     for (const double z : {-1.0, 1.0}) add({x, 0.0, z});
   }
   constexpr std::array<std::array<std::uint32_t, 3>, 20> kFaces = {
-      {{0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
-       {3, 9, 4},  {3, 4, 2}, {3, 2, 6}, {3, 6, 8},  {3, 8, 9},   {4, 9, 5}, {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}}};
+      {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
+       {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
+       {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}}};
   for (const auto& face : kFaces) add_triangle(scene, face[0], face[1], face[2]);
   for (int step = 0; step < divisions; ++step) {
     std::unordered_map<std::uint64_t, std::uint32_t> middles;

@@ -28,9 +28,10 @@ void add_light(Scene& scene, double x, double y, double z) {
   scene.lights.push_back(light);
 }
 
-/// SPD gives the highlight as the angle where it has fallen to one half: cos(angle)^shine = 1/2. No angle stands for 100000.
-std::uint32_t add_surface(Scene& scene, const glm::dvec3& color, double diffuse, double specular, double half_angle_degrees,
-                          double transmittance, double index) {
+/// SPD gives the highlight as the angle where it has fallen to one half: cos(angle)^shine = 1/2. No angle stands for
+/// 100000.
+std::uint32_t add_surface(Scene& scene, const glm::dvec3& color, double diffuse, double specular,
+                          double half_angle_degrees, double transmittance, double index) {
   Material material;
   material.color = glm::vec3(color);
   material.diffuse = static_cast<float>(diffuse);
@@ -60,8 +61,8 @@ glm::dvec3 turned_x(const glm::dvec3& v, double angle) {
 
 // --- Sphereflake -----------------------------------------------------------------------------------------------------
 
-/// A sphere of radius r has nine of r/3 upon it: six around its equator, 15 degrees off the x axis, and three at a height of
-/// 2/sqrt(6), which is where they touch two of the six.
+/// A sphere of radius r has nine of r/3 upon it: six around its equator, 15 degrees off the x axis, and three at a
+/// height of 2/sqrt(6), which is where they touch two of the six.
 std::array<glm::dvec3, 9> flake_directions() {
   std::array<glm::dvec3, 9> directions;
   const double height = 2.0 / std::sqrt(6.0), radius = 1.0 / std::sqrt(3.0);
@@ -76,15 +77,15 @@ std::array<glm::dvec3, 9> flake_directions() {
 
 /// The shortest rotation that takes +z to `to`, applied to v (Rodrigues, with w = z x to).
 glm::dvec3 turned_from_z(const glm::dvec3& v, const glm::dvec3& to) {
-  // Straight down every axis is as short: SPD takes y. Directions are sums of few products of numbers up to 1, so "straight" means
-  // within some units of 2^-53; all others are far from it.
+  // Straight down every axis is as short: SPD takes y. Directions are sums of few products of numbers up to 1, so
+  // "straight" means within some units of 2^-53; all others are far from it.
   if (1.0 + to.z < 0x1p-40) return {-v.x, v.y, -v.z};
   const glm::dvec3 w(-to.y, to.x, 0.0), turned = glm::cross(w, v);
   return v + turned + glm::cross(w, turned) / (1.0 + to.z);
 }
 
-void grow_flake(Scene& scene, const std::array<glm::dvec3, 9>& directions, int depth, const glm::dvec3& center, double radius,
-                const glm::dvec3& direction, std::uint32_t material) {
+void grow_flake(Scene& scene, const std::array<glm::dvec3, 9>& directions, int depth, const glm::dvec3& center,
+                double radius, const glm::dvec3& direction, std::uint32_t material) {
   add_sphere(scene, glm::vec3(center), static_cast<float>(radius), material);
   if (depth == 0) return;
   const double child_radius = radius / 3.0;
@@ -96,8 +97,8 @@ void grow_flake(Scene& scene, const std::array<glm::dvec3, 9>& directions, int d
 
 // --- Mountain --------------------------------------------------------------------------------------------------------
 
-/// The generator of Numerical Recipes' first edition (m = 134456, a = 8121, c = 28411) and its Box-Muller, started anew for each
-/// number: what SPD publishes as its portable Gaussian.
+/// The generator of Numerical Recipes' first edition (m = 134456, a = 8121, c = 28411) and its Box-Muller, started anew
+/// for each number: what SPD publishes as its portable Gaussian.
 double spd_gauss(long seed) {
   constexpr long kModulus = 134456, kFactor = 8121, kIncrement = 28411;
   double first = 0.0, squared = 1.0;
@@ -126,7 +127,8 @@ struct Mountain {
     return spd_gauss(kMountainNumber + static_cast<long>(hash));
   }
 
-  /// The square of `width` cells at (x, y) whose corners have the heights lower left, lower right, upper right, upper left.
+  /// The square of `width` cells at (x, y) whose corners have the heights lower left, lower right, upper right, upper
+  /// left.
   void grow(int width, int x, int y, double ll, double lr, double ur, double ul) {
     if (width == 1) {
       const double left = -1.0 + x * 2.0 / points, right = -1.0 + (x + 1) * 2.0 / points;
@@ -159,7 +161,8 @@ std::array<glm::dvec3, 4> tetra_points(const glm::dvec3& center, double half) {
 
 void grow_tetra(Scene& scene, int depth, const glm::dvec3& center, double half, std::uint32_t material) {
   if (depth > 1) {
-    for (const glm::dvec3& child : tetra_points(center, half / 2.0)) grow_tetra(scene, depth - 1, child, half / 2.0, material);
+    for (const glm::dvec3& child : tetra_points(center, half / 2.0))
+      grow_tetra(scene, depth - 1, child, half / 2.0, material);
     return;
   }
   const auto p = tetra_points(center, half);
@@ -171,8 +174,8 @@ void grow_tetra(Scene& scene, int depth, const glm::dvec3& center, double half, 
 
 // --- Rings -----------------------------------------------------------------------------------------------------------
 
-/// Six pentagons that link the midpoints of a dodecahedron's edges, scaled so that pipes of radius `pipe` along them fit into a
-/// ball of radius 1.
+/// Six pentagons that link the midpoints of a dodecahedron's edges, scaled so that pipes of radius `pipe` along them
+/// fit into a ball of radius 1.
 std::array<glm::dvec3, 30> ring_points(double pipe) {
   std::array<glm::dvec3, 30> points;
   const double tilt = 2.0 * std::acos(std::cos(kPi / 3.0) / std::sin(kPi / 5.0));  // between neighbouring faces
@@ -258,7 +261,8 @@ Scene make_mount(int size) {
 
 Scene make_tetra(int size) {
   Scene scene;
-  set_view(scene, {1.022846, -3.177154, -2.174512}, {-0.004103, -0.004103, 0.216539}, {-0.816497, -0.816497, 0.816497}, 1.0);
+  set_view(scene, {1.022846, -3.177154, -2.174512}, {-0.004103, -0.004103, 0.216539}, {-0.816497, -0.816497, 0.816497},
+           1.0);
   add_light(scene, 2, -18, -5);
   grow_tetra(scene, size, {0, 0, 0}, 1.0, add_surface(scene, {1.0, 0.2, 0.2}, 1.0, 0.0, 0.0, 0.0, 0.0));
   return scene;
@@ -274,7 +278,8 @@ Scene make_rings(int size) {
   add_light(scene, -4, -spread, 1);
   add_light(scene, 2, -spread, -4);
   const std::uint32_t white = add_surface(scene, {1, 1, 1}, 1.0, 0.0, 0.0, 0.0, 0.0);
-  const double depth = spread * (size + 1), reach = 1.01 * (depth - from.y) * std::tan(kPi / 8.0);  // the view and 1 % more
+  const double depth = spread * (size + 1),
+               reach = 1.01 * (depth - from.y) * std::tan(kPi / 8.0);  // the view and 1 % more
   add_flat(scene,
            {{from.x + reach, depth, from.z + reach},
             {from.x - reach, depth, from.z + reach},
@@ -320,13 +325,15 @@ Scene make_gears(int size) {
   for (int z = 0; z < size; ++z) {
     for (int y = 0; y < size; ++y) {
       for (int x = 0; x < size; ++x) {
-        glm::dvec3 color(0.01 + fraction((x * 3 + y * 2 + z + 1) * 5.0 / 7.0), 0.01 + fraction((y * 3 + z * 2 + x + 1) * 3.0 / 7.0),
+        glm::dvec3 color(0.01 + fraction((x * 3 + y * 2 + z + 1) * 5.0 / 7.0),
+                         0.01 + fraction((y * 3 + z * 2 + x + 1) * 3.0 / 7.0),
                          0.01 + fraction((z * 3 + x * 2 + y + 1) * 2.0 / 7.0));
         color /= std::max({color.x, color.y, color.z});
         const bool is_glass = (x * 4 + y * 2 + z) % 5 == 0;
         const std::uint32_t material = is_glass ? add_surface(scene, color, 0.2, 0.0, 0.0, 0.8, 1.1)
                                                 : add_surface(scene, color, 1.0, 0.0, 0.0, 0.0, 0.0);
-        const glm::dvec3 center(-1.0 + radius + x * step, -1.0 + radius + y * step, 1.0 - static_cast<double>(z) / size);
+        const glm::dvec3 center(-1.0 + radius + x * step, -1.0 + radius + y * step,
+                                1.0 - static_cast<double>(z) / size);
         const double angle = kPi * ((x + y + z) % 2) / kTeeth;
         add_gear(scene, center, angle, kOuter * radius, kInner * radius, thickness, material);
       }

@@ -31,7 +31,10 @@ void check_same(const Scene& made, const Scene& read, bool compare_prisms = true
   REQUIRE(made.spheres.size() == read.spheres.size());
   std::size_t wrong_spheres = 0, wrong_corners = 0, wrong_materials = 0;
   for (std::size_t i = 0; i < made.spheres.size(); ++i) {
-    wrong_spheres += same(made.spheres[i].center, read.spheres[i].center) && same(made.spheres[i].radius, read.spheres[i].radius) ? 0 : 1;
+    wrong_spheres +=
+        same(made.spheres[i].center, read.spheres[i].center) && same(made.spheres[i].radius, read.spheres[i].radius)
+            ? 0
+            : 1;
   }
   CHECK(wrong_spheres == 0);
   REQUIRE(made.triangles.size() == read.triangles.size());
@@ -42,11 +45,14 @@ void check_same(const Scene& made, const Scene& read, bool compare_prisms = true
   // Materials may be numbered otherwise (SPD repeats them): each primitive's counts.
   const auto same_material = [&](std::uint32_t a, std::uint32_t b) {
     const Material &m = made.materials[a], &r = read.materials[b];
-    return same(m.color, r.color) && same(m.diffuse, r.diffuse) && same(m.specular, r.specular) && same(m.shine, r.shine) &&
-           same(m.transmittance, r.transmittance) && same(m.refraction_index, r.refraction_index);
+    return same(m.color, r.color) && same(m.diffuse, r.diffuse) && same(m.specular, r.specular) &&
+           same(m.shine, r.shine) && same(m.transmittance, r.transmittance) &&
+           same(m.refraction_index, r.refraction_index);
   };
-  for (std::size_t i = 0; i < made.spheres.size(); ++i) wrong_materials += same_material(made.spheres[i].material, read.spheres[i].material) ? 0 : 1;
-  for (std::size_t i = 0; i < made.triangles.size(); ++i) wrong_materials += same_material(made.triangles[i].material, read.triangles[i].material) ? 0 : 1;
+  for (std::size_t i = 0; i < made.spheres.size(); ++i)
+    wrong_materials += same_material(made.spheres[i].material, read.spheres[i].material) ? 0 : 1;
+  for (std::size_t i = 0; i < made.triangles.size(); ++i)
+    wrong_materials += same_material(made.triangles[i].material, read.triangles[i].material) ? 0 : 1;
   CHECK(wrong_materials == 0);
   REQUIRE(made.lights.size() == read.lights.size());
   for (std::size_t i = 0; i < made.lights.size(); ++i) {
@@ -91,7 +97,8 @@ TEST_CASE("Generators equal the SPD programs' output") {
     check_same(generate_scene("tetra", 4), spd("tetra_s4"));
   }
   {
-    // The cylinders' ends are compared by the spheres upon them; where a prism's corners lie depends on the last digits.
+    // The cylinders' ends are compared by the spheres upon them; where a prism's corners lie depends on the last
+    // digits.
     INFO("rings");
     check_same(generate_scene("rings", 3), spd("rings_s3"), false);
   }
@@ -144,7 +151,8 @@ TEST_CASE("The creature has 882 triangles and is closed, in one piece, wound out
 }
 
 TEST_CASE("Meshes have the number of triangles asked for, closed where they say so") {
-  for (const int count : {1, 2, 7, 8, 999, 1000, 50'001}) CHECK(generate_scene("grid", count).triangles.size() == static_cast<std::size_t>(count));
+  for (const int count : {1, 2, 7, 8, 999, 1000, 50'001})
+    CHECK(generate_scene("grid", count).triangles.size() == static_cast<std::size_t>(count));
   const Topology grid = make_topology(generate_scene("grid", 1000));
   CHECK(grid.component_count == 1);
   CHECK_FALSE(grid.is_closed(0));
@@ -180,7 +188,8 @@ TEST_CASE("Every generator makes its default scene, with a material for each pri
     CHECK(scene.warnings.empty());
     std::size_t wrong = 0;
     for (const Triangle& triangle : scene.triangles) wrong += triangle.material < scene.materials.size() ? 0 : 1;
-    for (const Sphere& sphere : scene.spheres) wrong += sphere.material < scene.materials.size() && sphere.radius > 0.0f ? 0 : 1;
+    for (const Sphere& sphere : scene.spheres)
+      wrong += sphere.material < scene.materials.size() && sphere.radius > 0.0f ? 0 : 1;
     CHECK(wrong == 0);
     CHECK(bounding_ball(scene).radius > 0.0);
   }

@@ -23,7 +23,8 @@ std::string one_line(std::string text) {
 }
 
 /// Writes through a file beside the target that then takes its name, so that nobody sees half a file.
-void write_whole(const std::filesystem::path& path, const OIIO::ImageSpec& spec, OIIO::TypeDesc type, const void* pixels) {
+void write_whole(const std::filesystem::path& path, const OIIO::ImageSpec& spec, OIIO::TypeDesc type,
+                 const void* pixels) {
   const std::string name = path.string();
   // The ending chooses the format, so the temporary name keeps it.
   std::string hidden = ".";
@@ -63,10 +64,12 @@ Image read_image(const std::filesystem::path& path) {
   if (image.width <= 0 || image.height <= 0 || image.channels.empty() || spec.depth > 1) {
     throw InputError(name + ": an image without pixels, or of volumes; use a plain image");
   }
-  const std::int64_t values = std::int64_t{image.width} * image.height * static_cast<std::int64_t>(image.channels.size());
+  const std::int64_t values =
+      std::int64_t{image.width} * image.height * static_cast<std::int64_t>(image.channels.size());
   if (values > kMaxValues) throw InputError(name + ": larger than 2^30 values; scale the image down");
   image.pixels.resize(static_cast<std::size_t>(values));
-  if (!input->read_image(0, 0, 0, static_cast<int>(image.channels.size()), OIIO::TypeDesc::FLOAT, image.pixels.data())) {
+  if (!input->read_image(0, 0, 0, static_cast<int>(image.channels.size()), OIIO::TypeDesc::FLOAT,
+                         image.pixels.data())) {
     throw InputError(name + ": cannot be read to its end: " + one_line(input->geterror()));
   }
   for (const OIIO::ParamValue& attribute : spec.extra_attribs) {
@@ -84,7 +87,8 @@ Image read_image(const std::filesystem::path& path) {
 
 void write_exr(const std::filesystem::path& path, const Image& image) {
   PLUMBLINE_ASSERT(image.width > 0 && image.height > 0 && !image.channels.empty());
-  PLUMBLINE_ASSERT(image.pixels.size() == static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) * image.channels.size());
+  PLUMBLINE_ASSERT(image.pixels.size() == static_cast<std::size_t>(image.width) *
+                                              static_cast<std::size_t>(image.height) * image.channels.size());
   if (path.extension() != ".exr") throw InputError(path.string() + ": an OpenEXR file must end in .exr");
   OIIO::ImageSpec spec(image.width, image.height, static_cast<int>(image.channels.size()), OIIO::TypeDesc::FLOAT);
   spec.channelnames = image.channels;
@@ -96,7 +100,8 @@ void write_exr(const std::filesystem::path& path, const Image& image) {
 }
 
 void write_png(const std::filesystem::path& path, int width, int height, std::span<const std::uint8_t> rgb) {
-  PLUMBLINE_ASSERT(width > 0 && height > 0 && rgb.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3);
+  PLUMBLINE_ASSERT(width > 0 && height > 0 &&
+                   rgb.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3);
   if (path.extension() != ".png") throw InputError(path.string() + ": a PNG file must end in .png");
   OIIO::ImageSpec spec(width, height, 3, OIIO::TypeDesc::UINT8);
   spec["oiio:ColorSpace"] = "sRGB";

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Image files: float images with named channels and attributes to and from OpenEXR without loss, pictures to PNG, textures from
-// whatever OpenImageIO reads. The only file that names OpenImageIO is image_file.cpp.
+// Image files: float images with named channels and attributes to and from OpenEXR without loss, pictures to PNG,
+// textures from whatever OpenImageIO reads. The only file that names OpenImageIO is image_file.cpp.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@ struct Image {
   std::vector<std::string> channels;  ///< "R", "G", "B", "A" or any other names
   std::vector<float> pixels;          ///< width * height * channels.size()
   std::map<std::string, ImageAttribute> attributes;
-  bool is_integer = false;            ///< of a file read: its values were integers, scaled to [0, 1]
+  bool is_integer = false;  ///< of a file read: its values were integers, scaled to [0, 1]
 
   std::size_t channel_count() const { return channels.size(); }
 };

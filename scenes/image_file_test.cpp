@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Image files: EXR keeps every bit and attribute, PNG every byte, and files that are no images are refused.
-#include <catch2/catch.hpp>
 #include <bit>
+#include <catch2/catch.hpp>
 #include <cmath>
 
 #include "scenes/error.h"
@@ -71,7 +71,8 @@ TEST_CASE("EXR keeps channels of any name, each with its values") {
     REQUIRE(found != back.channels.end());
     const auto at = static_cast<std::size_t>(found - back.channels.begin());
     for (std::size_t i = 0; i < 20; ++i) {
-      CHECK(std::bit_cast<std::uint32_t>(back.pixels[3 * i + at]) == std::bit_cast<std::uint32_t>(image.pixels[3 * i + c]));
+      CHECK(std::bit_cast<std::uint32_t>(back.pixels[3 * i + at]) ==
+            std::bit_cast<std::uint32_t>(image.pixels[3 * i + c]));
     }
   }
 }
@@ -94,10 +95,14 @@ TEST_CASE("Files that are no images are refused, targets that cannot be written 
   Image image = random_image(64, 64, {"R", "G", "B", "A"});
   write_exr(folder.path() / "whole.exr", image);
   std::string bytes(std::filesystem::file_size(folder.path() / "whole.exr"), '\0');
-  std::ifstream(folder.path() / "whole.exr", std::ios::binary).read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  std::ifstream(folder.path() / "whole.exr", std::ios::binary)
+      .read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   for (const double part : {0.0, 0.001, 0.01, 0.3, 0.9, 0.999}) {
     INFO(part);
-    CHECK_THROWS_AS(read_image(folder.write("cut.exr", std::string_view(bytes).substr(0, static_cast<std::size_t>(part * static_cast<double>(bytes.size()))))), InputError);
+    CHECK_THROWS_AS(
+        read_image(folder.write("cut.exr", std::string_view(bytes).substr(
+                                               0, static_cast<std::size_t>(part * static_cast<double>(bytes.size()))))),
+        InputError);
   }
   CHECK_THROWS_AS(read_image(folder.write("text.exr", "this is text")), InputError);
   CHECK_THROWS_AS(read_image(folder.write("text.png", "this is text")), InputError);

@@ -26,7 +26,8 @@ bool is_sound(const Scene& scene) {
     if (t.material >= scene.materials.size()) return false;
     for (std::size_t i = 0; i < 3; ++i) {
       if (t.position[i] >= scene.positions.size()) return false;
-      if ((t.normal[i] == kNone) != (t.normal[0] == kNone) || (t.texcoord[i] == kNone) != (t.texcoord[0] == kNone)) return false;
+      if ((t.normal[i] == kNone) != (t.normal[0] == kNone) || (t.texcoord[i] == kNone) != (t.texcoord[0] == kNone))
+        return false;
       if (t.normal[i] != kNone && t.normal[i] >= scene.normals.size()) return false;
       if (t.texcoord[i] != kNone && t.texcoord[i] >= scene.texcoords.size()) return false;
     }
@@ -40,7 +41,8 @@ bool is_sound(const Scene& scene) {
   for (const Material& material : scene.materials) {
     if (material.diffuse_texture != kNone && material.diffuse_texture >= scene.textures.size()) return false;
     if (material.bump_texture != kNone && material.bump_texture >= scene.textures.size()) return false;
-    if (!std::isfinite(material.shine) || !(material.transmittance >= 0.0f && material.transmittance <= 1.0f)) return false;
+    if (!std::isfinite(material.shine) || !(material.transmittance >= 0.0f && material.transmittance <= 1.0f))
+      return false;
   }
   return true;
 }
@@ -67,7 +69,8 @@ Outcome read_broken(const std::filesystem::path& path, const std::string& named)
 
 std::vector<std::filesystem::path> files_of(const char* folder) {
   std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::directory_iterator(data_folder() / "malformed" / folder)) files.push_back(entry.path());
+  for (const auto& entry : std::filesystem::directory_iterator(data_folder() / "malformed" / folder))
+    files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   return files;
 }
@@ -97,7 +100,8 @@ TEST_CASE("Malformed MTL files: an error with a line, or a sound scene") {
     INFO(path);
     const TemporaryFolder folder;
     std::filesystem::copy_file(path, folder.path() / "broken.mtl");
-    read_broken(folder.write("whole.obj", "mtllib broken.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n"), "broken.mtl");
+    read_broken(folder.write("whole.obj", "mtllib broken.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n"),
+                "broken.mtl");
   }
 }
 
@@ -142,7 +146,8 @@ TEST_CASE("Paths that are no scene files are told apart") {
     const std::string name = std::string("x") + ending;
     CHECK(error_of(folder.path() / name).find("no such file") != std::string::npos);
     CHECK(error_of(folder.write(name, "")).find(name + ":1: the file is empty") != std::string::npos);
-    CHECK(error_of(folder.write(name, std::string("\n\nv 0 \0", 8))).find(name + ":3: a NUL byte") != std::string::npos);
+    CHECK(error_of(folder.write(name, std::string("\n\nv 0 \0", 8))).find(name + ":3: a NUL byte") !=
+          std::string::npos);
     std::filesystem::create_directory(folder.path() / ("folder" + std::string(ending)));
     CHECK(error_of(folder.path() / ("folder" + std::string(ending))).find("this is a folder") != std::string::npos);
   }
@@ -160,40 +165,52 @@ TEST_CASE("Lines of 10 MB, binary junk, and files cut short end in time") {
     while (text.size() < kSize) text += part;
     return text;
   };
-  CHECK(read_broken(folder.write("a.obj", repeated(triangle + "f", " 1 2 3") + "\n"), "a.obj").error.find("a.obj:4: a face of") != std::string::npos);
-  CHECK(read_broken(folder.write("b.obj", repeated("v", " 1") + "\n"), "b.obj").error.find("b.obj:1:") != std::string::npos);
+  CHECK(read_broken(folder.write("a.obj", repeated(triangle + "f", " 1 2 3") + "\n"), "a.obj")
+            .error.find("a.obj:4: a face of") != std::string::npos);
+  CHECK(read_broken(folder.write("b.obj", repeated("v", " 1") + "\n"), "b.obj").error.find("b.obj:1:") !=
+        std::string::npos);
   CHECK(read_broken(folder.write("c.obj", repeated(triangle + "f 1 2 3\n#", "x") + "\n"), "c.obj").error.empty());
-  CHECK(read_broken(folder.write("d.obj", repeated("v 1", "1") + "\n"), "d.obj").error.find("d.obj:1:") != std::string::npos);
+  CHECK(read_broken(folder.write("d.obj", repeated("v 1", "1") + "\n"), "d.obj").error.find("d.obj:1:") !=
+        std::string::npos);
   CHECK(read_broken(folder.write("e.obj", repeated(triangle + "f 1 2 3\nusemtl ", "x") + "\n"), "e.obj").error.empty());
   CHECK(read_broken(folder.write("f.obj", repeated(triangle + "f 1 2 3\n", "f 1 2\n") + "\n"), "f.obj").error.empty());
-  CHECK(read_broken(folder.write("g.obj", repeated(triangle + "f 1 2 3\nmtllib ", "x ") + "\n"), "g.obj").error.empty());
-  CHECK(read_broken(folder.write("h.nff", repeated("f 1 1 1 1 0 1 0 1\np 3000000", " 0 1 1 1 0 0") + "\n"), "h.nff").error.find("h.nff:2:") != std::string::npos);
+  CHECK(
+      read_broken(folder.write("g.obj", repeated(triangle + "f 1 2 3\nmtllib ", "x ") + "\n"), "g.obj").error.empty());
+  CHECK(read_broken(folder.write("h.nff", repeated("f 1 1 1 1 0 1 0 1\np 3000000", " 0 1 1 1 0 0") + "\n"), "h.nff")
+            .error.find("h.nff:2:") != std::string::npos);
   CHECK(read_broken(folder.write("i.nff", repeated("s 0 0 0 1 #", "x") + "\n"), "i.nff").error.empty());
-  CHECK(read_broken(folder.write("j.nff", repeated("", "xyz")), "j.nff").error.find("j.nff:1: unknown keyword") != std::string::npos);
-  CHECK(read_broken(folder.write("k.obj", repeated("", "x y z\n")), "k.obj").error.find("nothing to trace") != std::string::npos);
+  CHECK(read_broken(folder.write("j.nff", repeated("", "xyz")), "j.nff").error.find("j.nff:1: unknown keyword") !=
+        std::string::npos);
+  CHECK(read_broken(folder.write("k.obj", repeated("", "x y z\n")), "k.obj").error.find("nothing to trace") !=
+        std::string::npos);
 
   std::string junk;
   for (std::uint64_t i = 0; i < 100'000; ++i) junk += static_cast<char>(1 + Random(1, 2, i).below(255));
   CHECK_FALSE(read_broken(folder.write("junk.obj", junk), "junk.obj").error.empty());
   CHECK_FALSE(read_broken(folder.write("junk.nff", junk), "junk.nff").error.empty());
   folder.write("junk.mtl", junk);
-  CHECK_FALSE(read_broken(folder.write("junky.obj", "mtllib junk.mtl\n" + triangle + "f 1 2 3\n"), "junk.mtl").error.empty());
+  CHECK_FALSE(
+      read_broken(folder.write("junky.obj", "mtllib junk.mtl\n" + triangle + "f 1 2 3\n"), "junk.mtl").error.empty());
 }
 
 TEST_CASE("A file cut short anywhere, or with any byte changed, is read or refused") {
   const TemporaryFolder folder;
   const std::string nff =
-      "b 0.1 0.2 0.3\nv\nfrom 0 0 5\nat 0 0 0\nup 0 1 0\nangle 45\nhither 0.1\nresolution 64 32\nl 1 2 3\nf 1 1 1 1 0 1 0 1\n"
+      "b 0.1 0.2 0.3\nv\nfrom 0 0 5\nat 0 0 0\nup 0 1 0\nangle 45\nhither 0.1\nresolution 64 32\nl 1 2 3\nf 1 1 1 1 0 "
+      "1 0 1\n"
       "s 0 0 0 1\nc 0 0 0 1 0 0 2 1\np 5 0 0 0 4 0 0 4 4 0 2 1 0 0 4 0\npp 3\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 2\n";
   const std::string obj =
-      "mtllib m.mtl\nv 0 0 0\nv 4 0 0\nv 4 4 0\nv 2 1 0\nv 0 4 0\nvt 0.5 0.5\nvn 0 0 1\nusemtl a\nf 1/1/1 2/1/1 3/1/1 4/1/1 5/1/1\nf -1 -2 -3\n";
-  const std::string mtl = "newmtl a\nKd 0.5 0.5 0.5\nNs 10\nd 0.5\nillum 7\nTf 1 1 1\nmap_Kd -bm 0.5 x.png\nbump -bm 2 y.png\n";
+      "mtllib m.mtl\nv 0 0 0\nv 4 0 0\nv 4 4 0\nv 2 1 0\nv 0 4 0\nvt 0.5 0.5\nvn 0 0 1\nusemtl a\nf 1/1/1 2/1/1 3/1/1 "
+      "4/1/1 5/1/1\nf -1 -2 -3\n";
+  const std::string mtl =
+      "newmtl a\nKd 0.5 0.5 0.5\nNs 10\nd 0.5\nillum 7\nTf 1 1 1\nmap_Kd -bm 0.5 x.png\nbump -bm 2 y.png\n";
   const auto try_text = [&](const std::string& name, const std::string& text, const std::string& scene) {
     if (scene.empty()) return read_broken(folder.write(name, text), name);
     folder.write(name, text);
     return read_broken(folder.write("host.obj", scene), name);
   };
-  for (const auto& [name, text, scene] : {std::tuple{"t.nff", nff, std::string()}, {"t.obj", obj, std::string()}, {"m.mtl", mtl, obj}}) {
+  for (const auto& [name, text, scene] :
+       {std::tuple{"t.nff", nff, std::string()}, {"t.obj", obj, std::string()}, {"m.mtl", mtl, obj}}) {
     for (std::size_t i = 0; i < text.size(); ++i) {
       INFO(name << " cut at " << i);
       try_text(name, text.substr(0, i), scene);

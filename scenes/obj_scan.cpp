@@ -11,10 +11,11 @@ namespace plumbline {
 namespace {
 
 // Statements that say nothing about which surface is where.
-constexpr std::array<std::string_view, 10> kHarmless = {"g",        "o",        "s",         "mg",        "lod",
-                                                        "bevel",    "c_interp", "d_interp",  "shadow_obj", "trace_obj"};
+constexpr std::array<std::string_view, 10> kHarmless = {"g",     "o",        "s",        "mg",         "lod",
+                                                        "bevel", "c_interp", "d_interp", "shadow_obj", "trace_obj"};
 
-/// An index as it stands in a face, to be checked against the final number of its kind: OBJ files may name vertices that follow.
+/// An index as it stands in a face, to be checked against the final number of its kind: OBJ files may name vertices
+/// that follow.
 struct Pending {
   long long index;
   std::size_t kind, line;
@@ -65,12 +66,14 @@ class Scanner {
     // Junk has a new keyword in each line: those that come first speak for the others.
     constexpr std::size_t kMost = 10;
     std::vector<std::pair<std::string, WarningTally>> sorted(left_out_.begin(), left_out_.end());
-    std::sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.second.first_line < b.second.first_line; });
+    std::sort(sorted.begin(), sorted.end(),
+              [](const auto& a, const auto& b) { return a.second.first_line < b.second.first_line; });
     for (std::size_t i = 0; i < std::min(kMost, sorted.size()); ++i) {
       sorted[i].second.report(scan_.warnings, file_, "statements " + sorted[i].first + " are not read");
     }
     if (sorted.size() > kMost) {
-      scan_.warnings.push_back(file_ + ": " + std::to_string(sorted.size() - kMost) + " other kinds of statements are not read");
+      scan_.warnings.push_back(file_ + ": " + std::to_string(sorted.size() - kMost) +
+                               " other kinds of statements are not read");
     }
   }
 
@@ -134,8 +137,9 @@ class Scanner {
   [[noreturn]] void out_of_range(long long index, std::size_t kind, std::size_t line) const {
     constexpr std::array<std::string_view, 3> kKinds = {"vertices", "texture coordinates", "normals"};
     throw InputError(file_, line,
-                     "the index " + std::to_string(index) + " is out of range: there are " + std::to_string(counts_[kind]) + " " +
-                         std::string(kKinds[kind]) + (index < 0 ? " so far" : ""));
+                     "the index " + std::to_string(index) + " is out of range: there are " +
+                         std::to_string(counts_[kind]) + " " + std::string(kKinds[kind]) +
+                         (index < 0 ? " so far" : ""));
   }
 
   const std::string& file_;
@@ -154,7 +158,8 @@ void check_text(const std::string& file, const TextLine& line) {
   for (const char c : line.text) {
     const auto code = static_cast<unsigned char>(c);
     if ((code < ' ' && c != '\t') || code == 0x7f) {
-      throw InputError(file, line.number, "a control character (code " + std::to_string(code) + "): this is not a text file");
+      throw InputError(file, line.number,
+                       "a control character (code " + std::to_string(code) + "): this is not a text file");
     }
   }
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Random numbers that repeat bit for bit on every machine: each is a function of (seed, stream, index), so any part of a
-// run can be generated alone, in any order, by any number of threads.
+// Random numbers that repeat bit for bit on every machine: each is a function of (seed, stream, index), so any part of
+// a run can be generated alone, in any order, by any number of threads.
 #pragma once
 
 #include <cmath>
@@ -10,7 +10,8 @@
 
 namespace plumbline {
 
-/// SplitMix64's finaliser (Steele, Lea and Flood 2014): a bijection of 64 bits in which every input bit reaches every output bit.
+/// SplitMix64's finaliser (Steele, Lea and Flood 2014): a bijection of 64 bits in which every input bit reaches every
+/// output bit.
 constexpr std::uint64_t mix64(std::uint64_t x) {
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
   x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
@@ -24,7 +25,8 @@ constexpr std::uint64_t name_hash(std::string_view name) {
   return hash;
 }
 
-/// A short sequence of random numbers belonging to one item (a ray, a primitive): SplitMix64 started at a hash of its name.
+/// A short sequence of random numbers belonging to one item (a ray, a primitive): SplitMix64 started at a hash of its
+/// name.
 class Random {
  public:
   Random(std::uint64_t seed, std::uint64_t stream, std::uint64_t index)

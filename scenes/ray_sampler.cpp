@@ -103,7 +103,8 @@ Ray RaySampler::aim(const glm::dvec3& target) {
       Ray ray;
       ray.origin = glm::vec3(target);
       const float towards = sign();
-      ray.origin[axis] = static_cast<float>(target[axis] - static_cast<double>(towards) * radius() * random_.uniform(0.1, 3.0));
+      ray.origin[axis] =
+          static_cast<float>(target[axis] - static_cast<double>(towards) * radius() * random_.uniform(0.1, 3.0));
       ray.direction = glm::vec3(0.0f);
       ray.direction[axis] = towards;
       return ray;

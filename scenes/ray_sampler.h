@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the ray families share: random points of a scene, eyes to look from, and rays between two points. Internal to rays*.cpp.
+// What the ray families share: random points of a scene, eyes to look from, and rays between two points. Internal to
+// rays*.cpp.
 #pragma once
 
 #include "scenes/random.h"
@@ -37,7 +38,9 @@ class RaySampler {
   bool has_triangles() const { return !scene().triangles.empty(); }
   /// Whether the next aim is at a triangle, in proportion to the number of triangles and spheres.
   bool at_triangle() { return random_.below(scene().primitive_count()) < scene().triangles.size(); }
-  const Sphere& any_sphere() { return scene().spheres[random_.below(static_cast<std::uint32_t>(scene().spheres.size()))]; }
+  const Sphere& any_sphere() {
+    return scene().spheres[random_.below(static_cast<std::uint32_t>(scene().spheres.size()))];
+  }
 
   SurfacePoint surface_point();
   SurfacePoint surface_point(std::uint32_t primitive);
@@ -47,11 +50,11 @@ class RaySampler {
   /// Where to look from: mostly one to three radii from the scene's middle, else within the scene.
   glm::vec3 eye();
 
-  /// A ray from `origin` to `target`, its direction rounded once: of the full length (t is about 1 there), of unit length, or of a
-  /// random power of two of that.
+  /// A ray from `origin` to `target`, its direction rounded once: of the full length (t is about 1 there), of unit
+  /// length, or of a random power of two of that.
   Ray ray_to(const glm::vec3& origin, const glm::dvec3& target);
-  /// A ray from an eye to a point. One in four comes along a coordinate axis, and meets the float nearest to the target exactly;
-  /// one in four starts on a coarse grid, so that differences to round coordinates are exact.
+  /// A ray from an eye to a point. One in four comes along a coordinate axis, and meets the float nearest to the target
+  /// exactly; one in four starts on a coarse grid, so that differences to round coordinates are exact.
   Ray aim(const glm::dvec3& target);
 
  private:

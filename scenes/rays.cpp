@@ -20,24 +20,34 @@ constexpr std::array<Entry, 16> kEntries = {{
     {{RayFamily::camera, "camera", "through random points of all pixels of the scene's camera"}, make_camera},
     {{RayFamily::secondary, "secondary", "reflections and shadow rays that the renderer itself shot"}, make_secondary},
     {{RayFamily::chords, "chords", "between two random points of the bounding sphere"}, make_chord},
-    {{RayFamily::aimed_vertices, "aimed_vertices", "at vertices of triangles and at poles of spheres"}, make_aimed_vertex},
+    {{RayFamily::aimed_vertices, "aimed_vertices", "at vertices of triangles and at poles of spheres"},
+     make_aimed_vertex},
     {{RayFamily::aimed_edges, "aimed_edges", "at edges of triangles and at outlines of spheres"}, make_aimed_edge},
     {{RayFamily::aimed_inside, "aimed_inside", "1 to 64 units in the last place inside edges, vertices and outlines"},
      make_aimed_inside},
-    {{RayFamily::aimed_outside, "aimed_outside", "1 to 64 units in the last place outside edges, vertices and outlines"},
+    {{RayFamily::aimed_outside, "aimed_outside",
+      "1 to 64 units in the last place outside edges, vertices and outlines"},
      make_aimed_outside},
-    {{RayFamily::tangents, "tangents", "tangents of bounding spheres and spheres, up to 64 units in the last place off"},
+    {{RayFamily::tangents, "tangents",
+      "tangents of bounding spheres and spheres, up to 64 units in the last place off"},
      make_tangent},
     {{RayFamily::in_plane, "in_plane", "within the plane of a triangle, through it and past it"}, make_in_plane},
-    {{RayFamily::axis, "axis", "along coordinate axes, the other components +0 or -0, through vertices, centres and random points"},
+    {{RayFamily::axis, "axis",
+      "along coordinate axes, the other components +0 or -0, through vertices, centres and random points"},
      make_axis},
-    {{RayFamily::inside, "inside", "from random points within the scene, within spheres and just behind surfaces"}, make_inside},
-    {{RayFamily::on_surface, "on_surface", "from points on surfaces, as a renderer's secondary rays start"}, make_on_surface},
+    {{RayFamily::inside, "inside", "from random points within the scene, within spheres and just behind surfaces"},
+     make_inside},
+    {{RayFamily::on_surface, "on_surface", "from points on surfaces, as a renderer's secondary rays start"},
+     make_on_surface},
     {{RayFamily::far, "far", "from 10^3 to 10^6 scene radii away, aimed at the scene"}, make_far},
-    {{RayFamily::scaled, "scaled", "with directions 1e-42 to 1e37 long and denormal components in direction and origin"}, make_scaled},
-    {{RayFamily::segments, "segments", "with t_max up to 8 units in the last place before, at and after the hit aimed at"},
+    {{RayFamily::scaled, "scaled",
+      "with directions 1e-42 to 1e37 long and denormal components in direction and origin"},
+     make_scaled},
+    {{RayFamily::segments, "segments",
+      "with t_max up to 8 units in the last place before, at and after the hit aimed at"},
      make_segment},
-    {{RayFamily::undefined, "undefined", "with NaN or infinity in each place in turn, or a zero direction"}, make_undefined},
+    {{RayFamily::undefined, "undefined", "with NaN or infinity in each place in turn, or a zero direction"},
+     make_undefined},
 }};
 
 constexpr std::array<RayFamilyInfo, kEntries.size()> kInfos = [] {
@@ -71,7 +81,10 @@ RayFamily find_ray_family(std::string_view name) {
 }
 
 RaySource::RaySource(const Scene& scene_, std::vector<glm::vec4> node_spheres_)
-    : scene(&scene_), ball(bounding_ball(scene_)), frame(camera_frame(scene_.camera)), node_spheres(std::move(node_spheres_)) {
+    : scene(&scene_),
+      ball(bounding_ball(scene_)),
+      frame(camera_frame(scene_.camera)),
+      node_spheres(std::move(node_spheres_)) {
   width = std::max(scene_.camera.width, 1);
   height = std::max(scene_.camera.height, 1);
   // A scene of one point has no size to choose eyes by; any will do.

@@ -11,8 +11,8 @@ namespace {
 
 constexpr int kMostUlps = 64;
 
-/// Where a sphere's outline lies as seen from an eye outside it: a random point where lines from the eye touch it, and the unit
-/// vector from the centre to it. An eye inside sees no outline: any point of the surface.
+/// Where a sphere's outline lies as seen from an eye outside it: a random point where lines from the eye touch it, and
+/// the unit vector from the centre to it. An eye inside sees no outline: any point of the surface.
 SurfacePoint outline_point(RaySampler& s, const Sphere& sphere, const glm::vec3& eye) {
   const glm::dvec3 center(sphere.center), away = center - glm::dvec3(eye);
   const double distance = glm::length(away), radius = sphere.radius;
@@ -75,7 +75,8 @@ Ray touch(RaySampler& s, const glm::dvec3& center, double radius, int ulps) {
   return s.ray_to(origin, point);
 }
 
-/// t of the plane or the sphere surface that a point aimed at lies on, in double; of a sphere's two the nearer to t = guess.
+/// t of the plane or the sphere surface that a point aimed at lies on, in double; of a sphere's two the nearer to t =
+/// guess.
 double hit_parameter(const Scene& scene, std::uint32_t primitive, const Ray& ray, const glm::dvec3& target) {
   const glm::dvec3 o(ray.origin), d(ray.direction);
   if (scene.is_triangle(primitive)) {
@@ -100,7 +101,9 @@ Ray make_aimed_vertex(RaySampler& s) {
   return s.aim(glm::dvec3(pole));
 }
 
-Ray make_aimed_edge(RaySampler& s) { return s.at_triangle() ? s.aim(edge_feature(s, s.triangle()).point) : aim_beside(s, 0); }
+Ray make_aimed_edge(RaySampler& s) {
+  return s.at_triangle() ? s.aim(edge_feature(s, s.triangle()).point) : aim_beside(s, 0);
+}
 Ray make_aimed_inside(RaySampler& s) { return aim_beside(s, s.octave(kMostUlps)); }
 Ray make_aimed_outside(RaySampler& s) { return aim_beside(s, -s.octave(kMostUlps)); }
 
@@ -131,7 +134,8 @@ Ray make_in_plane(RaySampler& s) {
     const glm::dvec3 normal = s.coin() ? s.random().direction() : glm::dvec3(0.0, 0.0, static_cast<double>(s.sign()));
     const glm::dvec3 touch_point = glm::dvec3(sphere.center) + static_cast<double>(sphere.radius) * normal;
     const glm::dvec3 direction = s.across(normal);
-    const glm::dvec3 past = s.coin() ? glm::dvec3(0.0) : s.random().uniform(-2.0, 2.0) * sphere.radius * glm::cross(direction, normal);
+    const glm::dvec3 past =
+        s.coin() ? glm::dvec3(0.0) : s.random().uniform(-2.0, 2.0) * sphere.radius * glm::cross(direction, normal);
     return s.ray_to(glm::vec3(touch_point - s.radius() * s.random().uniform(0.1, 2.0) * direction), touch_point + past);
   }
   const std::uint32_t triangle = s.triangle();
@@ -145,8 +149,9 @@ Ray make_in_plane(RaySampler& s) {
       return {glm::vec3(a - before * (b - a)), glm::vec3(b - a)};
     }
     case 1:  // past the triangle: parallel to an edge, beyond the corner opposite
-      return {glm::vec3(opposite + s.random().uniform(0.0, 2.0) * (opposite - a) - s.random().uniform(0.0, 3.0) * (b - a)),
-              glm::vec3(b - a)};
+      return {
+          glm::vec3(opposite + s.random().uniform(0.0, 2.0) * (opposite - a) - s.random().uniform(0.0, 3.0) * (b - a)),
+          glm::vec3(b - a)};
     case 2:  // from within it
       return s.ray_to(glm::vec3(interior), center + 2.0 * (center - a));
     default:  // through it, from outside

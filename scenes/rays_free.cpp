@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The ray families that start from an origin or a picture: camera, secondary, chords, axis, inside, on_surface, far, scaled, undefined.
+// The ray families that start from an origin or a picture: camera, secondary, chords, axis, inside, on_surface, far,
+// scaled, undefined.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -20,15 +21,14 @@ std::uint64_t golden_stride(std::uint64_t n) {
   return stride;
 }
 
-float denormal(RaySampler& s) {
-  return s.sign() * std::bit_cast<float>(s.random().below((1u << 23) - 1) + 1);
-}
+float denormal(RaySampler& s) { return s.sign() * std::bit_cast<float>(s.random().below((1u << 23) - 1) + 1); }
 
 }  // namespace
 
 Ray make_camera(RaySampler& s) {
   constexpr std::uint64_t kTile = 8;
-  const auto width = static_cast<std::uint64_t>(s.source().width), height = static_cast<std::uint64_t>(s.source().height);
+  const auto width = static_cast<std::uint64_t>(s.source().width),
+             height = static_cast<std::uint64_t>(s.source().height);
   const std::uint64_t columns = (width + kTile - 1) / kTile, tiles = columns * ((height + kTile - 1) / kTile);
   const std::uint64_t within = s.index() % (kTile * kTile);
   const std::uint64_t tile = (s.index() / (kTile * kTile)) % tiles * golden_stride(tiles) % tiles;
@@ -97,9 +97,11 @@ Ray make_axis(RaySampler& s) {
       ray.origin[axis] = s.coin() ? 0.0f : -0.0f;
       break;
     default:
-      ray.origin[axis] = static_cast<float>(through[axis] - static_cast<double>(towards) * s.radius() * s.random().uniform(0.0, 3.0));
+      ray.origin[axis] =
+          static_cast<float>(through[axis] - static_cast<double>(towards) * s.radius() * s.random().uniform(0.0, 3.0));
   }
-  ray.direction[axis] = towards * (s.coin() ? 1.0f : static_cast<float>(std::exp2(static_cast<int>(s.random().below(41)) - 20)));
+  ray.direction[axis] =
+      towards * (s.coin() ? 1.0f : static_cast<float>(std::exp2(static_cast<int>(s.random().below(41)) - 20)));
   return ray;
 }
 

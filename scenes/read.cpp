@@ -22,7 +22,9 @@ constexpr std::array<Format, 2> kFormats = {{{".nff", read_nff}, {".obj", read_o
 
 /// A number may be a float and what is built from it too large for one.
 void check_extent(const Scene& scene, const std::string& file) {
-  const auto is_finite = [](const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); };
+  const auto is_finite = [](const glm::vec3& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+  };
   if (!std::all_of(scene.positions.begin(), scene.positions.end(), is_finite)) {
     throw InputError(file + ": coordinates are too large for 32-bit numbers; scale the scene down");
   }
@@ -55,8 +57,10 @@ Scene read_scene(const std::filesystem::path& path) {
     return scene;
   }
   std::error_code failure;
-  if (std::filesystem::is_directory(path, failure)) throw InputError(path.string() + ": this is a folder; name a file in it");
-  throw InputError(path.string() + ": no reader for the ending " + shown(ending) + "; there are readers for " + known_endings());
+  if (std::filesystem::is_directory(path, failure))
+    throw InputError(path.string() + ": this is a folder; name a file in it");
+  throw InputError(path.string() + ": no reader for the ending " + shown(ending) + "; there are readers for " +
+                   known_endings());
 }
 
 }  // namespace plumbline

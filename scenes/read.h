@@ -11,8 +11,8 @@ namespace plumbline {
 
 /// Reads a scene file: .nff (SPD's Neutral File Format) or .obj (Wavefront, with its MTL files and textures).
 /// What could be read but not used as it stands is in Scene::warnings.
-/// Throws InputError, with file and line where there is one, for what cannot be read: a missing file, a folder, an empty
-/// file, an unknown ending, a number that is none, an index out of range, a file without any triangle or sphere.
+/// Throws InputError, with file and line where there is one, for what cannot be read: a missing file, a folder, an
+/// empty file, an unknown ending, a number that is none, an index out of range, a file without any triangle or sphere.
 Scene read_scene(const std::filesystem::path& path);
 
 /// The endings that read_scene knows, as a sentence for messages: ".nff, .obj".

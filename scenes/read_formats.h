@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The readers behind read_scene, one per format. Each takes the file's path (for messages and for files that it names) and text.
+// The readers behind read_scene, one per format. Each takes the file's path (for messages and for files that it names)
+// and text.
 #pragma once
 
 #include <filesystem>

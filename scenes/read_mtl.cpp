@@ -36,7 +36,8 @@ class Cleaner {
     homeless_.report(scene_.warnings, file_, "statements before the first newmtl with a name are not read");
     spectral_.report(scene_.warnings, file_, "spectral and xyz colours are not read");
     options_.report(scene_.warnings, file_, "texture options other than -bm are not used");
-    for (const auto& [keyword, tally] : left_out_) tally.report(scene_.warnings, file_, "statements " + keyword + " are not used");
+    for (const auto& [keyword, tally] : left_out_)
+      tally.report(scene_.warnings, file_, "statements " + keyword + " are not used");
     return std::move(cleaned_);
   }
 
@@ -49,7 +50,8 @@ class Cleaner {
     const std::vector<std::string_view> all = split_words(text);
     const std::string keyword(all[0]);
     // A comment may follow a statement of numbers.
-    std::vector<std::string_view> words(all.begin() + 1, std::find_if(all.begin() + 1, all.end(), [](auto w) { return w[0] == '#'; }));
+    std::vector<std::string_view> words(all.begin() + 1,
+                                        std::find_if(all.begin() + 1, all.end(), [](auto w) { return w[0] == '#'; }));
 
     if (keyword == "newmtl") {
       is_inside_ = all.size() > 1;
@@ -96,9 +98,12 @@ class Cleaner {
     return true;
   }
 
-  void texture(std::size_t& line, const std::string& keyword, std::string_view rest, const std::vector<std::string_view>& words) {
+  void texture(std::size_t& line, const std::string& keyword, std::string_view rest,
+               const std::vector<std::string_view>& words) {
     if (words.size() < 2) throw InputError(file_, number_, keyword + " names no image file");
-    if (std::any_of(words.begin() + 1, words.end(), [](auto word) { return word.size() > 1 && word[0] == '-' && word != "-bm" && !parse_float(word); })) {
+    if (std::any_of(words.begin() + 1, words.end(), [](auto word) {
+          return word.size() > 1 && word[0] == '-' && word != "-bm" && !parse_float(word);
+        })) {
       options_.add(number_);
     }
     line = number_;
@@ -123,12 +128,14 @@ float factor(float value, std::size_t line, WarningTally& out_of_range) {
   return std::clamp(value, 0.0f, 1.0f);
 }
 
-std::uint32_t texture_index(Scene& scene, const std::string& file, std::size_t line, const std::string& name, TextureKind kind) {
+std::uint32_t texture_index(Scene& scene, const std::string& file, std::size_t line, const std::string& name,
+                            TextureKind kind) {
   std::string slashed(trimmed(name)), problem;
   std::replace(slashed.begin(), slashed.end(), '\\', '/');
   const auto found = find_texture(scene, std::filesystem::path(file).parent_path() / slashed, kind, problem);
   if (found) return *found;
-  scene.warnings.push_back(file + ":" + std::to_string(line) + ": the texture " + shown(slashed) + " is left out: " + problem);
+  scene.warnings.push_back(file + ":" + std::to_string(line) + ": the texture " + shown(slashed) +
+                           " is left out: " + problem);
   return kNone;
 }
 
@@ -137,21 +144,24 @@ Material convert(Scene& scene, const std::string& file, const Entry& entry, cons
   Material material;
   material.name = entry.name;
   // Without Kd a texture stands for itself; without either the surface is grey.
-  material.color = entry.has_color         ? glm::vec3(source.diffuse[0], source.diffuse[1], source.diffuse[2])
+  material.color = entry.has_color          ? glm::vec3(source.diffuse[0], source.diffuse[1], source.diffuse[2])
                    : entry.diffuse_line > 0 ? glm::vec3(1.0f)
                                             : glm::vec3(0.8f);
   for (int i = 0; i < 3; ++i) material.color[i] = factor(material.color[i], entry.line, out_of_range);
-  material.specular = factor(std::max({source.specular[0], source.specular[1], source.specular[2]}), entry.line, out_of_range);
+  material.specular =
+      factor(std::max({source.specular[0], source.specular[1], source.specular[2]}), entry.line, out_of_range);
   material.shine = std::max(source.shininess, 0.0f);
   material.transmittance = factor(1.0f - source.dissolve, entry.line, out_of_range);
   const bool refracts = source.illum == 4 || source.illum == 6 || source.illum == 7 || source.illum == 9;
   if (refracts && material.transmittance == 0.0f) {
     const float* const filter = source.transmittance;
-    material.transmittance = entry.has_filter ? factor((filter[0] + filter[1] + filter[2]) / 3.0f, entry.line, out_of_range) : 1.0f;
+    material.transmittance =
+        entry.has_filter ? factor((filter[0] + filter[1] + filter[2]) / 3.0f, entry.line, out_of_range) : 1.0f;
   }
   material.refraction_index = source.ior > 0.0f ? source.ior : 1.0f;
   if (entry.diffuse_line > 0) {
-    material.diffuse_texture = texture_index(scene, file, entry.diffuse_line, source.diffuse_texname, TextureKind::color);
+    material.diffuse_texture =
+        texture_index(scene, file, entry.diffuse_line, source.diffuse_texname, TextureKind::color);
   }
   if (entry.bump_line > 0) {
     material.bump_texture = texture_index(scene, file, entry.bump_line, source.bump_texname, TextureKind::height);
@@ -189,7 +199,8 @@ void read_library(Scene& scene, const std::filesystem::path& path, std::map<std:
     }
     scene.materials.push_back(convert(scene, file, entry, materials[i], out_of_range));
   }
-  out_of_range.report(scene.warnings, file, "a colour or factor of a material lies outside 0 to 1 and is moved to the nearer of them");
+  out_of_range.report(scene.warnings, file,
+                      "a colour or factor of a material lies outside 0 to 1 and is moved to the nearer of them");
   twice.report(scene.warnings, file, "a material of a name that was there before is left out");
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The reader of SPD's Neutral File Format (Haines 1987), by tokens: the keywords v b l f s c p pp, comments from # to the end of a
-// line. What other programs added to the format is refused by name, but for a texture's name at the end of an f line.
+// The reader of SPD's Neutral File Format (Haines 1987), by tokens: the keywords v b l f s c p pp, comments from # to
+// the end of a line. What other programs added to the format is refused by name, but for a texture's name at the end of
+// an f line.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -59,7 +60,8 @@ class Tokens {
 
 class NffReader {
  public:
-  NffReader(const std::filesystem::path& path, std::string_view text) : path_(path), name_(path.string()), tokens_(text) {}
+  NffReader(const std::filesystem::path& path, std::string_view text)
+      : path_(path), name_(path.string()), tokens_(text) {}
 
   Scene read() {
     while (!tokens_.peek().word.empty()) read_statement();
@@ -88,7 +90,8 @@ class NffReader {
     } else if (keyword.word == "pp") {
       read_polygon(true);
     } else if (parse_float(keyword.word)) {
-      fail(keyword.line, "a stray number " + shown(keyword.word) + " where a keyword should be; " + std::string(kKnown));
+      fail(keyword.line,
+           "a stray number " + shown(keyword.word) + " where a keyword should be; " + std::string(kKnown));
     } else {
       fail(keyword.line, "unknown keyword " + shown(keyword.word) + "; " + std::string(kKnown));
     }
@@ -101,7 +104,8 @@ class NffReader {
   float number(std::string_view what) {
     const Token token = tokens_.peek();
     if (token.word.empty()) {
-      fail(statement_line_, std::string(what) + ": the file ends before its numbers do; it is cut short or they are missing");
+      fail(statement_line_,
+           std::string(what) + ": the file ends before its numbers do; it is cut short or they are missing");
     }
     const auto value = parse_float(token.word);
     if (!value) fail(token.line, std::string(what) + ": expected a finite number, found " + shown(token.word));
@@ -127,8 +131,8 @@ class NffReader {
     const auto value = parse_integer(token.word);
     if (!value || *value < least || *value > most) {
       fail(token.word.empty() ? statement_line_ : token.line,
-           std::string(what) + ": expected a whole number of " + std::to_string(least) + " to " + std::to_string(most) + ", found " +
-               shown(token.word));
+           std::string(what) + ": expected a whole number of " + std::to_string(least) + " to " + std::to_string(most) +
+               ", found " + shown(token.word));
     }
     tokens_.take();
     return static_cast<int>(*value);
@@ -179,8 +183,8 @@ class NffReader {
     material.shine = number("f: Shine");
     material.transmittance = number("f: T");
     material.refraction_index = number("f: index of refraction");
-    // Another program's extension: the name of a texture at the end of the line. Only a word with a dot can be one; what else
-    // stands there is a keyword or a mistake.
+    // Another program's extension: the name of a texture at the end of the line. Only a word with a dot can be one;
+    // what else stands there is a keyword or a mistake.
     const Token next = tokens_.peek();
     if (next.line == statement_line_ && next.word.find('.') != next.word.npos && !parse_float(next.word)) {
       tokens_.take();
@@ -255,7 +259,8 @@ class NffReader {
         empty_polygon_.add(statement_line_);
         break;
       case Added::too_complex:
-        fail(statement_line_, std::string(what) + ": too large, or its edges cross too often to be cut into triangles; split it");
+        fail(statement_line_,
+             std::string(what) + ": too large, or its edges cross too often to be cut into triangles; split it");
     }
   }
 
@@ -267,14 +272,17 @@ class NffReader {
 
   void finish() {
     auto& warnings = scene_.warnings;
-    cone_.report(warnings, name_, "cones and cylinders stand as open prisms of " + std::to_string(kConeSides) + " sides, 2 triangles each");
+    cone_.report(
+        warnings, name_,
+        "cones and cylinders stand as open prisms of " + std::to_string(kConeSides) + " sides, 2 triangles each");
     empty_polygon_.report(warnings, name_, "a polygon without area is left out");
     empty_sphere_.report(warnings, name_, "a sphere of radius 0 is left out");
     empty_cone_.report(warnings, name_, "a cone or cylinder without area is left out");
     inward_sphere_.report(warnings, name_, "a negative radius means a sphere seen from inside: its sign is dropped");
     inward_cone_.report(warnings, name_, "a negative radius means a cone seen from inside: its sign is dropped");
     crossing_.report(warnings, name_, "a polygon crosses itself: all that it winds around is filled");
-    factor_out_of_range_.report(warnings, name_, "a factor of f lies outside 0 to 1 and is moved to the nearer of them");
+    factor_out_of_range_.report(warnings, name_,
+                                "a factor of f lies outside 0 to 1 and is moved to the nearer of them");
     if (!scene_.has_camera) {
       warnings.push_back(name_ + ": no viewpoint: one is chosen that shows the whole scene");
       frame_camera(scene_);
@@ -287,7 +295,8 @@ class NffReader {
   Scene scene_;
   std::size_t statement_line_ = 1;
   std::vector<glm::vec3> corners_, normals_;
-  WarningTally cone_, empty_polygon_, empty_sphere_, empty_cone_, inward_sphere_, inward_cone_, crossing_, factor_out_of_range_;
+  WarningTally cone_, empty_polygon_, empty_sphere_, empty_cone_, inward_sphere_, inward_cone_, crossing_,
+      factor_out_of_range_;
 };
 
 }  // namespace

@@ -141,7 +141,8 @@ TEST_CASE("Prisms lie on the cone and their normals point away from the axis") {
 TEST_CASE("NFF that is wrong is refused with file and line") {
   const std::string material = "f 1 1 1 1 0 1 0 1\n";
   CHECK(error_of("s 0 0 0 1\ntess 4\n") == "test.nff:2: unknown keyword 'tess'; known are v b l f s c p pp");
-  CHECK(error_of(material + "s 0 0 0 1 2 2\n") == "test.nff:2: a stray number '2' where a keyword should be; known are v b l f s c p pp");
+  CHECK(error_of(material + "s 0 0 0 1 2 2\n") ==
+        "test.nff:2: a stray number '2' where a keyword should be; known are v b l f s c p pp");
   CHECK(error_of("f 1 0 0\nhex 0 0 0 5\n").find("test.nff:2: f: Kd: expected a finite number, found 'hex'") == 0);
   CHECK(error_of(material + "s nan 0 0 1\n").find("test.nff:2:") == 0);
   CHECK(error_of(material + "s 0 inf 0 1\n").find("test.nff:2:") == 0);
@@ -150,11 +151,19 @@ TEST_CASE("NFF that is wrong is refused with file and line") {
   CHECK(error_of(material + "p 999999999\n0 0 0\n").find("test.nff:2:") == 0);
   CHECK(error_of(material + "p 2\n0 0 0\n1 1 1\n").find("test.nff:2:") == 0);
   CHECK(error_of(material + "p 3.5\n0 0 0\n1 1 1\n").find("test.nff:2:") == 0);
-  CHECK(error_of(material + "s 3e38 0 0 1\nc 0 0 3.4e38 3.4e38 0 0 1 3.4e38\nc 3.4e38 0 0 3.4e38 3.4e38 0 9 3.4e38").find("too large") != std::string::npos);
-  CHECK(error_of("v\nfrom 0 0 0\nat 0 0 0\nup 0 1 0\nangle 45\nhither 1\nresolution 4 4\n").find("test.nff:1: camera:") == 0);
-  CHECK(error_of("v\nfrom 0 1 0\nat 0 0 0\nup 0 1 0\nangle 45\nhither 1\nresolution 4 4\n").find("test.nff:1: camera:") == 0);
-  CHECK(error_of("v\nfrom 0 1 0\nat 0 0 0\nup 1 1 0\nangle 180\nhither 1\nresolution 4 4\n").find("test.nff:1: angle") == 0);
-  CHECK(error_of("v\nfrom 0 1 0\nat 0 0 0\nup 1 1 0\nangle 45\nhither 1\nresolution 0 4\n").find("test.nff:7: resolution") == 0);
+  CHECK(error_of(material + "s 3e38 0 0 1\nc 0 0 3.4e38 3.4e38 0 0 1 3.4e38\nc 3.4e38 0 0 3.4e38 3.4e38 0 9 3.4e38")
+            .find("too large") != std::string::npos);
+  CHECK(
+      error_of("v\nfrom 0 0 0\nat 0 0 0\nup 0 1 0\nangle 45\nhither 1\nresolution 4 4\n").find("test.nff:1: camera:") ==
+      0);
+  CHECK(
+      error_of("v\nfrom 0 1 0\nat 0 0 0\nup 0 1 0\nangle 45\nhither 1\nresolution 4 4\n").find("test.nff:1: camera:") ==
+      0);
+  CHECK(
+      error_of("v\nfrom 0 1 0\nat 0 0 0\nup 1 1 0\nangle 180\nhither 1\nresolution 4 4\n").find("test.nff:1: angle") ==
+      0);
+  CHECK(error_of("v\nfrom 0 1 0\nat 0 0 0\nup 1 1 0\nangle 45\nhither 1\nresolution 0 4\n")
+            .find("test.nff:7: resolution") == 0);
   CHECK(error_of("v\nform 0 1 0\n").find("test.nff:2: v (viewpoint): expected 'from'") == 0);
   CHECK(error_of("b 0 0 0\n").find("nothing to trace") != std::string::npos);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The reader of Wavefront OBJ files: tinyobjloader reads what obj_scan has found to be sound; polygons are cut by our own
-// triangulation, for tinyobjloader's fails on many concave ones and may take cubic time.
+// The reader of Wavefront OBJ files: tinyobjloader reads what obj_scan has found to be sound; polygons are cut by our
+// own triangulation, for tinyobjloader's fails on many concave ones and may take cubic time.
 #include <tiny_obj_loader.h>
 
 #include <map>
@@ -44,9 +44,11 @@ class ObjBuilder {
 
   void face(const tinyobj::index_t* indices, std::size_t count) {
     PLUMBLINE_ASSERT(face_count_ < scan_.face_lines.size());
-    faces_.push_back({scan_.face_lines[face_count_++], static_cast<std::uint32_t>(corners_.size()), static_cast<std::uint32_t>(count), material_});
+    faces_.push_back({scan_.face_lines[face_count_++], static_cast<std::uint32_t>(corners_.size()),
+                      static_cast<std::uint32_t>(count), material_});
     for (std::size_t i = 0; i < count; ++i) {
-      corners_.push_back({resolve(indices[i].vertex_index, vertex_count_), resolve(indices[i].texcoord_index, texcoord_count_),
+      corners_.push_back({resolve(indices[i].vertex_index, vertex_count_),
+                          resolve(indices[i].texcoord_index, texcoord_count_),
                           resolve(indices[i].normal_index, normal_count_)});
     }
   }
@@ -61,7 +63,8 @@ class ObjBuilder {
     few_corners_.report(warnings, file_, "a face with fewer than 3 corners is left out");
     no_area_.report(warnings, file_, "a face without area is left out");
     crossing_.report(warnings, file_, "a face crosses itself: all that it winds around is filled");
-    partial_.report(warnings, file_, "a face has normals or texture coordinates at some corners only: they are left out");
+    partial_.report(warnings, file_,
+                    "a face has normals or texture coordinates at some corners only: they are left out");
   }
 
  private:
@@ -104,12 +107,14 @@ class ObjBuilder {
 
     const Triangulation cut = triangulate(points_);
     if (cut.too_complex) {
-      throw InputError(file_, face.line, "a face of " + std::to_string(face.count) +
-                                             " corners is too large, or its edges cross too often to be cut into triangles; split it");
+      throw InputError(file_, face.line,
+                       "a face of " + std::to_string(face.count) +
+                           " corners is too large, or its edges cross too often to be cut into triangles; split it");
     }
     if (cut.triangles.empty()) return no_area_.add(face.line);
     if (!cut.blended.empty()) crossing_.add(face.line);
-    for (const BlendedCorner& blended : cut.blended) corner.push_back(blend(corner, blended, has_normals, has_texcoords));
+    for (const BlendedCorner& blended : cut.blended)
+      corner.push_back(blend(corner, blended, has_normals, has_texcoords));
     const std::uint32_t material = material_or_default(face.material);
     for (const auto& index : cut.triangles) {
       Triangle triangle;
@@ -136,7 +141,8 @@ class ObjBuilder {
     }
     if (has_texcoords) {
       glm::vec2 mean(0.0f);
-      for (std::size_t i = 0; i < 4; ++i) mean += blended.weight[i] * scene_.texcoords[corner[blended.source[i]].texcoord];
+      for (std::size_t i = 0; i < 4; ++i)
+        mean += blended.weight[i] * scene_.texcoords[corner[blended.source[i]].texcoord];
       added.texcoord = static_cast<std::uint32_t>(scene_.texcoords.size());
       scene_.texcoords.push_back(mean);
     }

@@ -41,7 +41,8 @@ bool has_warning(const Scene& scene, const std::string& part) {
 
 TEST_CASE("OBJ faces: negative indices, indices of later vertices, all forms of corners, continued lines") {
   const Scene scene = read_text(
-      "v 0 0 0\r\nv 1 0 0\nvt 0.25 0.75\nvn 0 0 1\nv 0 1 0\nf -3/-1/-1 -2/1/1 \\\n 3/1/1\nf 1//1 2//1 3//1\nf 1/1 2/1 3/1\nf 2 1 4\n"
+      "v 0 0 0\r\nv 1 0 0\nvt 0.25 0.75\nvn 0 0 1\nv 0 1 0\nf -3/-1/-1 -2/1/1 \\\n 3/1/1\nf 1//1 2//1 3//1\nf 1/1 2/1 "
+      "3/1\nf 2 1 4\n"
       "v 0 0 7\n");
   REQUIRE(scene.triangles.size() == 4);
   CHECK(scene.source.patches == 2);
@@ -79,8 +80,10 @@ TEST_CASE("OBJ that is wrong is refused with file and line") {
   CHECK(error_of(kTriangle + "f 1 2 -2147483648\n").find("test.obj:4: the index -2147483648") == 0);
   CHECK(error_of(kTriangle + "f 1 2 99999999999999999999\n").find("test.obj:4:") == 0);
   CHECK(error_of(kTriangle + "f 0 1 2\n").find("test.obj:4: the index 0") == 0);
-  CHECK(error_of(kTriangle + "f 1/1 2/1 3/1\n") == "test.obj:4: the index 1 is out of range: there are 0 texture coordinates");
-  CHECK(error_of(kTriangle + "f 1//2 2//1 3//1\nvn 0 0 1\n").find("test.obj:4: the index 2 is out of range: there are 1 normals") == 0);
+  CHECK(error_of(kTriangle + "f 1/1 2/1 3/1\n") ==
+        "test.obj:4: the index 1 is out of range: there are 0 texture coordinates");
+  CHECK(error_of(kTriangle + "f 1//2 2//1 3//1\nvn 0 0 1\n")
+            .find("test.obj:4: the index 2 is out of range: there are 1 normals") == 0);
   CHECK(error_of(kTriangle + "f 1 2 x\n").find("test.obj:4:") == 0);
   CHECK(error_of(kTriangle + "f 1 2 3/\v\n").find("test.obj:4:") == 0);
   CHECK(error_of(kTriangle + "f 1/1/1/1 2 3\n").find("test.obj:4:") == 0);
@@ -94,8 +97,9 @@ TEST_CASE("OBJ that is wrong is refused with file and line") {
 }
 
 TEST_CASE("OBJ that can be mended is read with a warning that names the line") {
-  const Scene scene = read_text("mtllib nothere.mtl\nusemtl stone\n" + kTriangle +
-                                "f 1 2 3\nf 1 2\nf 1 1 2\nf\nl 1 2\nwhat is this\nf 3 2 1\nvn 0 0 1\nf 1//1 2 3\nv 1 2 3 0.5 0.5 0.5\nusemtl \n");
+  const Scene scene = read_text(
+      "mtllib nothere.mtl\nusemtl stone\n" + kTriangle +
+      "f 1 2 3\nf 1 2\nf 1 1 2\nf\nl 1 2\nwhat is this\nf 3 2 1\nvn 0 0 1\nf 1//1 2 3\nv 1 2 3 0.5 0.5 0.5\nusemtl \n");
   CHECK(scene.triangles.size() == 3);
   CHECK(scene.source.total() == 4);  // the one without area counts, those with less than 3 corners are no faces
   CHECK(scene.materials.size() == 1);
@@ -115,17 +119,20 @@ TEST_CASE("MTL materials are mapped, with textures decoded from sRGB and heights
   const TemporaryFolder folder;
   const std::uint8_t pixels[] = {255, 188, 0, 128, 128, 128};
   write_png(folder.path() / "a b.png", 2, 1, pixels);
-  folder.write("my materials.mtl",
-               "newmtl textured \n\tKs 0.25\n map_Kd a b.png\nmap_bump -bm 0.5 a b.png\n"
-               "newmtl glass # not part of the name for others\nKd 0.5 0.25 1 # blue\nTf 0.5 0.5 0.5\nNi 1.5\nNs 200\nillum 7\n"
-               "newmtl thin\nKd 1 1 1\nd 0.25\nKe 1 1 1\nmap_Ks a.png\nnewmtl late\nmap_Kd missing.png\nKa 1 1 1\n");
-  const Scene scene = read_scene(folder.write(
-      "test.obj", "mtllib my materials.mtl\n" + kTriangle +
-                      "usemtl textured\nf 1 2 3\nusemtl glass # not part of the name for others\nf 1 2 3\nusemtl  thin \nf 1 2 3\nusemtl late\nf 1 2 3\n"));
+  folder.write(
+      "my materials.mtl",
+      "newmtl textured \n\tKs 0.25\n map_Kd a b.png\nmap_bump -bm 0.5 a b.png\n"
+      "newmtl glass # not part of the name for others\nKd 0.5 0.25 1 # blue\nTf 0.5 0.5 0.5\nNi 1.5\nNs 200\nillum 7\n"
+      "newmtl thin\nKd 1 1 1\nd 0.25\nKe 1 1 1\nmap_Ks a.png\nnewmtl late\nmap_Kd missing.png\nKa 1 1 1\n");
+  const Scene scene =
+      read_scene(folder.write("test.obj", "mtllib my materials.mtl\n" + kTriangle +
+                                              "usemtl textured\nf 1 2 3\nusemtl glass # not part of the name for "
+                                              "others\nf 1 2 3\nusemtl  thin \nf 1 2 3\nusemtl late\nf 1 2 3\n"));
   REQUIRE(scene.materials.size() == 4);
   REQUIRE(scene.triangles.size() == 4);
   for (std::uint32_t i = 0; i < 4; ++i) CHECK(scene.triangles[i].material == i);
-  const Material &textured = scene.materials[0], &glass = scene.materials[1], &thin = scene.materials[2], &late = scene.materials[3];
+  const Material &textured = scene.materials[0], &glass = scene.materials[1], &thin = scene.materials[2],
+                 &late = scene.materials[3];
   CHECK(textured.name == "textured");
   CHECK(textured.color == glm::vec3(1.0f));
   CHECK(textured.specular == 0.25f);
@@ -183,13 +190,23 @@ TEST_CASE("Real OBJ files have the published numbers of faces, and only the warn
       {"spot_mtl/spot", 5856, 5856, 1, 1, {"'bsdf'"}},
       {"bunny/stanford-bunny", 69451, 69451, 1, 0, {}},
       // 112 faces name a vertex twice or lie on a line, and 29 of 91 materials repeat a name.
-      {"medieval/Medieval_building", 16715, 16715 - 112, 91 - 29, 7, {"name that was there before is left out (29", "without area is left out (112"}},
+      {"medieval/Medieval_building",
+       16715,
+       16715 - 112,
+       91 - 29,
+       7,
+       {"name that was there before is left out (29", "without area is left out (112"}},
       {"cornell_mcguire_akuna/CornellBox-Original", 18, 36, 8, 0, {"'Ke'"}},
       {"cornell_wallisc/CornellBox-Sphere", 2188, 2188, 8, 0, {"'Ke'", "'v'"}},
       {"cornell_wallisc/CornellBox-Water", 7088, 7088, 9, 0, {"'Ke'"}},
       {"bullet/banana", 1100, 1100, 1, 1, {}},
       // Its MTL file bears another name. 864 quadrilaterals and 64 triangles.
-      {"bullet/textured_sphere_smooth", 928, 2 * 864 + 64, 1, 0, {"'textured_sphere_smooth.mtl' is missing", "no MTL file has"}},
+      {"bullet/textured_sphere_smooth",
+       928,
+       2 * 864 + 64,
+       1,
+       0,
+       {"'textured_sphere_smooth.mtl' is missing", "no MTL file has"}},
   };
   for (const Expected& e : expected) {
     INFO(e.name);
@@ -210,14 +227,16 @@ TEST_CASE("Every kind of texture that is used is found") {
   const TemporaryFolder folder;
   const auto source = data_folder() / "obj/ufbx_textures";
   std::filesystem::copy(source, folder.path(), std::filesystem::copy_options::recursive);
-  const Scene scene = read_scene(folder.write(
-      "test.obj", "mtllib synthetic_simple_textures_0_mtl.mtl\n" + kTriangle + "usemtl RGB\nf 1 2 3\nusemtl NonMap\nf 1 2 3\n"));
-  const Material &rgb = scene.materials[scene.triangles[0].material], &other = scene.materials[scene.triangles[1].material];
+  const Scene scene = read_scene(folder.write("test.obj", "mtllib synthetic_simple_textures_0_mtl.mtl\n" + kTriangle +
+                                                              "usemtl RGB\nf 1 2 3\nusemtl NonMap\nf 1 2 3\n"));
+  const Material &rgb = scene.materials[scene.triangles[0].material],
+                 &other = scene.materials[scene.triangles[1].material];
   REQUIRE(rgb.diffuse_texture != kNone);
   REQUIRE(rgb.bump_texture != kNone);
   CHECK(rgb.diffuse_texture != rgb.bump_texture);
   CHECK(other.diffuse_texture == kNone);
   CHECK(other.bump_texture == rgb.bump_texture);
-  CHECK(scene.textures[rgb.diffuse_texture].texels.size() ==
-        static_cast<std::size_t>(scene.textures[rgb.diffuse_texture].width * scene.textures[rgb.diffuse_texture].height));
+  CHECK(
+      scene.textures[rgb.diffuse_texture].texels.size() ==
+      static_cast<std::size_t>(scene.textures[rgb.diffuse_texture].width * scene.textures[rgb.diffuse_texture].height));
 }

@@ -16,21 +16,21 @@ inline constexpr std::uint32_t kNone = 0xffffffffu;
 
 /// A surface as SPD's `f` line describes it. Colours are linear, factors are in [0, 1].
 struct Material {
-  std::string name;                      ///< as in the file; empty where the format has no names
-  glm::vec3 color{1.0f};                 ///< linear RGB that modulates the diffuse term
-  float diffuse = 1.0f;                  ///< Kd
-  float specular = 0.0f;                 ///< Ks: highlight and reflection
-  float shine = 1.0f;                    ///< Blinn-Phong exponent
-  float transmittance = 0.0f;            ///< T
-  float refraction_index = 1.0f;         ///< relative to the outside; 0 in some SPD files means opaque
-  std::uint32_t diffuse_texture = kNone; ///< index into Scene::textures; modulates Kd
-  std::uint32_t bump_texture = kNone;    ///< index into Scene::textures; a height map (Blinn 1978)
+  std::string name;                       ///< as in the file; empty where the format has no names
+  glm::vec3 color{1.0f};                  ///< linear RGB that modulates the diffuse term
+  float diffuse = 1.0f;                   ///< Kd
+  float specular = 0.0f;                  ///< Ks: highlight and reflection
+  float shine = 1.0f;                     ///< Blinn-Phong exponent
+  float transmittance = 0.0f;             ///< T
+  float refraction_index = 1.0f;          ///< relative to the outside; 0 in some SPD files means opaque
+  std::uint32_t diffuse_texture = kNone;  ///< index into Scene::textures; modulates Kd
+  std::uint32_t bump_texture = kNone;     ///< index into Scene::textures; a height map (Blinn 1978)
 };
 
 /// An image in memory, row 0 at the top, linear values.
 struct Texture {
-  std::string path;           ///< where it was read from
-  int width = 0, height = 0;  ///< texels
+  std::string path;               ///< where it was read from
+  int width = 0, height = 0;      ///< texels
   std::vector<glm::vec3> texels;  ///< width * height, row by row
 };
 
@@ -50,8 +50,8 @@ struct Sphere {
 
 struct Light {
   glm::vec3 position{0.0f};
-  glm::vec3 color{0.0f};    ///< linear RGB intensity; meaningful only where has_color
-  bool has_color = false;   ///< without one the intensity is sqrt(n)/(2n) for n lights (NFF)
+  glm::vec3 color{0.0f};   ///< linear RGB intensity; meaningful only where has_color
+  bool has_color = false;  ///< without one the intensity is sqrt(n)/(2n) for n lights (NFF)
 };
 
 /// A pinhole camera as NFF's `v` describes it. `angle_radians` spans the centres of the outermost pixel rows.
@@ -66,8 +66,8 @@ struct Camera {
 
 /// What a reader found in its file, before polygons, cones and cylinders became triangles.
 struct SourceCounts {
-  std::size_t polygons = 0;   ///< `p`, or OBJ faces without vertex normals
-  std::size_t patches = 0;    ///< `pp`, or OBJ faces with vertex normals
+  std::size_t polygons = 0;  ///< `p`, or OBJ faces without vertex normals
+  std::size_t patches = 0;   ///< `pp`, or OBJ faces with vertex normals
   std::size_t spheres = 0;
   std::size_t cones = 0;      ///< `c` with two radii that differ
   std::size_t cylinders = 0;  ///< `c` with equal radii
@@ -79,7 +79,7 @@ struct SourceCounts {
 struct Scene {
   std::string name;  ///< short, for case names: the file's stem or the generator's name
   std::vector<glm::vec3> positions;
-  std::vector<glm::vec3> normals;    ///< as in the file: not always of unit length
+  std::vector<glm::vec3> normals;  ///< as in the file: not always of unit length
   std::vector<glm::vec2> texcoords;
   std::vector<Triangle> triangles;
   std::vector<Sphere> spheres;

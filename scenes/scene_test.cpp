@@ -17,10 +17,12 @@ TEST_CASE("The bounding ball contains every corner and sphere, and is no larger 
     const Ball ball = bounding_ball(scene);
     double farthest = 0.0;
     for (std::uint32_t t = 0; t < scene.triangles.size(); ++t) {
-      for (const glm::vec3& corner : scene.corners(t)) farthest = std::max(farthest, glm::length(glm::dvec3(corner) - ball.center));
+      for (const glm::vec3& corner : scene.corners(t))
+        farthest = std::max(farthest, glm::length(glm::dvec3(corner) - ball.center));
     }
     for (const Sphere& sphere : scene.spheres) {
-      farthest = std::max(farthest, glm::length(glm::dvec3(sphere.center) - ball.center) + static_cast<double>(sphere.radius));
+      farthest =
+          std::max(farthest, glm::length(glm::dvec3(sphere.center) - ball.center) + static_cast<double>(sphere.radius));
     }
     CHECK(farthest <= ball.radius);
     CHECK(ball.radius <= farthest * (1.0 + 0x1p-48));

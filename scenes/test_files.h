@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Files for tests: the shared data, found where PLUMBLINE_DATA points, else beside the checkout, and folders that vanish.
+// Files for tests: the shared data, found where PLUMBLINE_DATA points, else beside the checkout, and folders that
+// vanish.
 #pragma once
 
 #include <unistd.h>
@@ -48,8 +49,8 @@ class TemporaryFolder {
 }  // namespace plumbline
 
 /// Leaves a test that needs shared data where there is none, saying so.
-#define PLUMBLINE_NEEDS_DATA() \
-  if (!std::filesystem::is_directory(plumbline::data_folder())) { \
+#define PLUMBLINE_NEEDS_DATA()                                                                  \
+  if (!std::filesystem::is_directory(plumbline::data_folder())) {                               \
     WARN("no test data at " << plumbline::data_folder() << ": not tested; set PLUMBLINE_DATA"); \
-    return; \
+    return;                                                                                     \
   }

@@ -22,7 +22,8 @@ std::string read_text_file(const std::filesystem::path& path) {
   std::string text;
   text.resize(std::filesystem::file_size(path));
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (!file || static_cast<std::size_t>(file.gcount()) != text.size()) throw InputError(name + ": cannot be read to its end");
+  if (!file || static_cast<std::size_t>(file.gcount()) != text.size())
+    throw InputError(name + ": cannot be read to its end");
   if (text.empty()) throw InputError(name, 1, "the file is empty");
   const std::size_t nul = text.find('\0');
   if (nul != std::string::npos) {
@@ -42,7 +43,8 @@ std::vector<TextLine> split_lines(std::string& text, bool join) {
     ++number;
     const bool is_comment = trimmed(std::string_view(text).substr(start, end - start)).starts_with('#');
     if (join && end > start && text[end - 1] == '\\' && !is_comment) {
-      std::fill(text.begin() + static_cast<std::ptrdiff_t>(end) - 1, text.begin() + static_cast<std::ptrdiff_t>(i) + 1, ' ');
+      std::fill(text.begin() + static_cast<std::ptrdiff_t>(end) - 1, text.begin() + static_cast<std::ptrdiff_t>(i) + 1,
+                ' ');
       continue;
     }
     lines.push_back({std::string_view(text).substr(start, end - start), first_number});
@@ -77,7 +79,8 @@ std::optional<float> parse_float(std::string_view word) {
   if (error == std::errc::result_out_of_range) {
     // from_chars does not say on which side: only a negative exponent or a leading zero makes a number too small.
     const std::string_view digits = word.substr(word.starts_with('-') ? 1 : 0);
-    const bool small = word.find("e-") != word.npos || word.find("E-") != word.npos || digits[0] == '0' || digits[0] == '.';
+    const bool small =
+        word.find("e-") != word.npos || word.find("E-") != word.npos || digits[0] == '0' || digits[0] == '.';
     return small ? std::optional<float>(0.0f) : std::nullopt;
   }
   if (error != std::errc() || !std::isfinite(value)) return std::nullopt;
@@ -99,7 +102,8 @@ std::string shown(std::string_view word) {
   return text + (word.size() > kLength ? "...'" : "'");
 }
 
-void WarningTally::report(std::vector<std::string>& warnings, const std::string& file, const std::string& message) const {
+void WarningTally::report(std::vector<std::string>& warnings, const std::string& file,
+                          const std::string& message) const {
   if (count == 0) return;
   std::string text = file + ":" + std::to_string(first_line) + ": " + message;
   if (count > 1) text += " (" + std::to_string(count) + " in all)";

@@ -17,12 +17,12 @@ struct TextLine {
   std::size_t number = 1;
 };
 
-/// The whole file. Throws InputError for what is missing, a folder, not a plain file, unreadable, empty, or no text (a NUL
-/// byte), with the line where there is one.
+/// The whole file. Throws InputError for what is missing, a folder, not a plain file, unreadable, empty, or no text (a
+/// NUL byte), with the line where there is one.
 std::string read_text_file(const std::filesystem::path& path);
 
-/// The lines of a text. A backslash at the end of a line joins it with the next, where `join` is set: both become spaces in
-/// `text`, and the line keeps its first number.
+/// The lines of a text. A backslash at the end of a line joins it with the next, where `join` is set: both become
+/// spaces in `text`, and the line keeps its first number.
 std::vector<TextLine> split_lines(std::string& text, bool join);
 
 /// The words of a line, apart by blanks and tabs.
@@ -31,7 +31,8 @@ std::vector<std::string_view> split_words(std::string_view line);
 /// Without blanks and tabs at both ends.
 std::string_view trimmed(std::string_view text);
 
-/// A decimal number that a float can hold: nullopt for anything else, "nan" and "inf" and 1e39 included. Too small is 0.
+/// A decimal number that a float can hold: nullopt for anything else, "nan" and "inf" and 1e39 included. Too small is
+/// 0.
 std::optional<float> parse_float(std::string_view word);
 /// A whole number of at most 64 bits.
 std::optional<long long> parse_integer(std::string_view word);

@@ -15,8 +15,9 @@ enum class TextureKind {
   height,  ///< values as stored, the first channel in all three
 };
 
-/// The index in scene.textures of an image file, read at its first use. Where it cannot be read: nullopt, and `problem` says why
-/// in one line.
-std::optional<std::uint32_t> find_texture(Scene& scene, const std::filesystem::path& path, TextureKind kind, std::string& problem);
+/// The index in scene.textures of an image file, read at its first use. Where it cannot be read: nullopt, and `problem`
+/// says why in one line.
+std::optional<std::uint32_t> find_texture(Scene& scene, const std::filesystem::path& path, TextureKind kind,
+                                          std::string& problem);
 
 }  // namespace plumbline

@@ -11,8 +11,8 @@
 
 namespace plumbline {
 
-/// Corners are the same where their positions are the same numbers, bit for bit, +0 and -0 alike. Edge i of a triangle runs from
-/// its corner i to corner (i + 1) % 3; edge 3 * t + i of all is the "side" of triangle t on an edge.
+/// Corners are the same where their positions are the same numbers, bit for bit, +0 and -0 alike. Edge i of a triangle
+/// runs from its corner i to corner (i + 1) % 3; edge 3 * t + i of all is the "side" of triangle t on an edge.
 struct Topology {
   std::uint32_t vertex_count = 0;
   std::vector<std::uint32_t> corner;  ///< the vertex of corner 3 * t + i
@@ -23,11 +23,11 @@ struct Topology {
   std::vector<std::uint32_t> edge_sides;  ///< sides, edge by edge, ascending
 
   std::uint32_t component_count = 0;
-  std::vector<std::uint32_t> component;       ///< of each triangle; a component hangs together by edges
+  std::vector<std::uint32_t> component;        ///< of each triangle; a component hangs together by edges
   std::vector<std::uint8_t> component_closed;  ///< 1 where every edge of the component has exactly two sides
 
-  /// The sides that share the edge of side 3 * t + i, itself among them: one on a border, two inside a surface, more where
-  /// surfaces meet. Empty for an edge without length.
+  /// The sides that share the edge of side 3 * t + i, itself among them: one on a border, two inside a surface, more
+  /// where surfaces meet. Empty for an edge without length.
   std::span<const std::uint32_t> sides(std::uint32_t triangle, int i) const {
     const std::uint32_t e = edge[3 * triangle + static_cast<std::uint32_t>(i)];
     if (e == kNone) return {};

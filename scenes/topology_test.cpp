@@ -65,7 +65,15 @@ TEST_CASE("A missing triangle opens a surface; one too many does too") {
 
 TEST_CASE("Vertices are told by their numbers, not by their indices: +0 is -0, neighbouring floats are not one") {
   const float next = std::nextafter(1.0f, 2.0f);
-  const Scene scene = mesh({{0.0f, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-0.0f, 0, -0.0f}, {1, -0.0f, 0}, {0, 0, 1}, {0, 0, 0}, {next, 0, 0}, {0, 0, 2}},
+  const Scene scene = mesh({{0.0f, 0, 0},
+                            {1, 0, 0},
+                            {0, 1, 0},
+                            {-0.0f, 0, -0.0f},
+                            {1, -0.0f, 0},
+                            {0, 0, 1},
+                            {0, 0, 0},
+                            {next, 0, 0},
+                            {0, 0, 2}},
                            {{0, 1, 2}, {4, 3, 5}, {6, 7, 8}});
   const Topology topology = make_topology(scene);
   CHECK(topology.share_an_edge(0, 1));

@@ -14,8 +14,9 @@
 namespace plumbline {
 namespace {
 
-// One component of the cross product (b - a) x (c - a) is the sum of six products of two floats. Each product is exact in double;
-// their sum is decided by Shewchuk's expansions (1997): partial sums without overlap, whose last non-zero one has the sign.
+// One component of the cross product (b - a) x (c - a) is the sum of six products of two floats. Each product is exact
+// in double; their sum is decided by Shewchuk's expansions (1997): partial sums without overlap, whose last non-zero
+// one has the sign.
 bool is_zero_sum(const std::array<double, 6>& terms) {
   std::array<double, 6> partial{};
   std::size_t count = 0;
@@ -33,8 +34,8 @@ bool is_zero_sum(const std::array<double, 6>& terms) {
   return std::all_of(partial.begin(), partial.begin() + count, [](double part) { return part == 0.0; });
 }
 
-/// The direction to look along: Newell's normal (twice the area vector), or where the signed areas cancel (a figure of eight) the
-/// largest of the triangles that it sums. Zero where no three corners span an area.
+/// The direction to look along: Newell's normal (twice the area vector), or where the signed areas cancel (a figure of
+/// eight) the largest of the triangles that it sums. Zero where no three corners span an area.
 glm::dvec3 mean_normal(std::span<const glm::vec3> corners) {
   glm::dvec3 normal(0.0), largest(0.0);
   double total = 0.0;
@@ -45,7 +46,8 @@ glm::dvec3 mean_normal(std::span<const glm::vec3> corners) {
     total += glm::length(part);
     if (glm::dot(part, part) > glm::dot(largest, largest)) largest = part;
   }
-  // Each part errs by a few units of 2^-53 of itself, the sum by as many as it has terms, kMaxPolygonCorners = 2^14 at most.
+  // Each part errs by a few units of 2^-53 of itself, the sum by as many as it has terms, kMaxPolygonCorners = 2^14 at
+  // most.
   return glm::length(normal) > 0x1p-36 * total ? normal : largest;
 }
 
@@ -53,8 +55,8 @@ glm::dvec3 mean_normal(std::span<const glm::vec3> corners) {
 
 struct Job {
   Triangulation result;
-  std::vector<std::uint32_t> indices;            // the corners of triangles, three by three
-  std::deque<std::array<double, 3>> coordinates; // GLU keeps pointers to them, so they must not move
+  std::vector<std::uint32_t> indices;             // the corners of triangles, three by three
+  std::deque<std::array<double, 3>> coordinates;  // GLU keeps pointers to them, so they must not move
   std::uint32_t corner_count = 0;
   bool failed = false;
 };
@@ -114,8 +116,8 @@ void tessellate(std::span<const glm::vec3> corners, const glm::dvec3& normal, Jo
 
 // --- What GLU would take too long for ------------------------------------------------------------------------------
 
-// GLU's sweep takes quadratic time and more where edges cross or corners coincide; below this many corners that is at most a
-// fraction of a second.
+// GLU's sweep takes quadratic time and more where edges cross or corners coincide; below this many corners that is at
+// most a fraction of a second.
 constexpr std::size_t kCrossingsAllowed = 512;
 
 /// Whether edges that are not neighbours touch, as seen along the axis where `normal` is largest.

@@ -27,8 +27,9 @@ struct Triangulation {
   bool too_complex = false;  ///< refused: more than kMaxPolygonCorners corners, or hundreds and edges that cross
 };
 
-/// Triangles that cover the polygon, concave or not. A polygon that crosses itself covers all that it winds around. One without
-/// area gives no triangles. Corners need not lie in one plane exactly: the polygon is cut as seen along its mean normal.
+/// Triangles that cover the polygon, concave or not. A polygon that crosses itself covers all that it winds around. One
+/// without area gives no triangles. Corners need not lie in one plane exactly: the polygon is cut as seen along its
+/// mean normal.
 Triangulation triangulate(std::span<const glm::vec3> corners);
 
 /// Whether a triangle has an area that is not zero, decided exactly for the floats as given.

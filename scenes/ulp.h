@@ -10,8 +10,8 @@
 
 namespace plumbline {
 
-/// The float `count` places after x in the order of all finite floats (before it, where count is negative), -0 and +0 being one
-/// place. Stops at the largest finite ones. x must be finite.
+/// The float `count` places after x in the order of all finite floats (before it, where count is negative), -0 and +0
+/// being one place. Stops at the largest finite ones. x must be finite.
 inline float step_ulps(float x, std::int64_t count) {
   constexpr std::int64_t kLargest = 0x7f7fffff;
   const auto bits = static_cast<std::int64_t>(std::bit_cast<std::uint32_t>(x) & 0x7fffffffu);
