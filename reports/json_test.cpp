@@ -83,7 +83,7 @@ TEST_CASE("json: everything comes back") {
   CHECK(a.seed == b.seed);
   CHECK(a.verdicts == b.verdicts);
   CHECK(a.worst[0].margin == b.worst[0].margin);
-  CHECK(std::isinf(b.worst[0].bound));
+  CHECK(b.worst[0].bound == -std::numeric_limits<double>::infinity());
   CHECK(a.worst[0].origin == b.worst[0].origin);
   CHECK(std::isnan(b.figures[1].value));
   CHECK(b.figures[1].rounds == 5);

@@ -110,8 +110,10 @@ TEST_CASE("format: text that is not UTF-8 becomes UTF-8") {
   CHECK(valid_utf8("caf\xc3\xa9 \xf0\x9f\x98\x80") == "caf\xc3\xa9 \xf0\x9f\x98\x80");
   CHECK(valid_utf8("a\xff"
                    "b") == "a" + bad + "b");
-  CHECK(valid_utf8("\xc3") == bad);                                // cut short
-  CHECK(valid_utf8("\xc0\x80") == bad + bad);                      // overlong
+  CHECK(valid_utf8("\xc3") == bad);            // cut short
+  CHECK(valid_utf8("\xc0\x80") == bad + bad);  // overlong
+  CHECK(valid_utf8("\xe0\x80\x80") == bad + bad + bad);
+  CHECK(valid_utf8("\xf0\x80\x80\x80") == bad + bad + bad + bad);
   CHECK(valid_utf8("\xed\xa0\x80") == bad + bad + bad);            // a surrogate
   CHECK(valid_utf8("\xf4\x90\x80\x80") == bad + bad + bad + bad);  // beyond U+10FFFF
   CHECK(xml_escape("\x01<&>\"\t\xef\xbf\xbe") == bad + "&lt;&amp;&gt;&quot;\t" + bad);
