@@ -121,6 +121,9 @@ std::vector<std::string> verify(const GeometryImage& image) {
     const Tour in = Tourist(image, copy, true).walk();
     if (!in.error.empty()) {
       findings.push_back(in.error);
+    } else if (in.nodes != image.cell_count) {
+      findings.push_back("copy " + std::to_string(copy) + ": entering every node, the walk visits " +
+                         std::to_string(in.nodes) + " of " + std::to_string(image.cell_count));
     } else {
       std::size_t missed = 0, repeated = 0;
       for (const std::uint32_t visits : in.visits) missed += visits == 0, repeated += visits > 1;

@@ -20,12 +20,12 @@ vec3 upper_half(vec3 x) { return intBitsToFloat(floatBitsToInt(x) & ivec3(int(0x
 float product_error(float a, float b, float product) {
   float ah = upper_half(a), bh = upper_half(b);
   float al = a - ah, bl = b - bh;
-  return ((ah * bh - product) + (ah * bl + al * bh)) + al * bl;
+  return (((ah * bh - product) + ah * bl) + al * bh) + al * bl;
 }
 vec3 product_error(vec3 a, vec3 b, vec3 product) {
   vec3 ah = upper_half(a), bh = upper_half(b);
   vec3 al = a - ah, bl = b - bh;
-  return ((ah * bh - product) + (ah * bl + al * bh)) + al * bl;
+  return (((ah * bh - product) + ah * bl) + al * bh) + al * bl;
 }
 
 // a * b - c * d with a relative error of a few units in the last place, its sign and its zero exact (short of underflow).

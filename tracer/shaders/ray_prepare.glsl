@@ -30,15 +30,16 @@ vec3 permute(vec3 v) { return ray.axis == 0 ? v.yzx : ray.axis == 1 ? v.zxy : v.
 bool is_finite(ivec3 magnitude) { return max(max(magnitude.x, magnitude.y), magnitude.z) < 0x7f800000; }
 
 // Moves the origin of a far ray along it to two scene radii before the point next to the scene's centre. In floats alone o + t d would
-// be off by |o| 2^-24, so origin and shift are carried as unevaluated sums (high + low): three steps, each of which leaves 2^-21
-// of the distance before it. Everything is scaled by 2^-8 that nothing overflows. Rays that are near take no step.
+// be off by |o| 2^-24, so origin and shift are carried as unevaluated sums (high + low) of some 48 bits, and each step leaves 2^-21 of
+// the distance before it: two or three steps do for rays that floats can aim at the scene, eight for any along an axis. Everything is
+// scaled by 2^-8 that nothing overflows. Rays that are near take no step.
 void approach_scene(bool is_far) {
   vec3 high = ray.o * SHIFT_UNIT, low = vec3(0.0);
   vec3 center = u_center * SHIFT_UNIT;
   float shift_high = 0.0, shift_low = 0.0;
   float back = 2.0 * u_radius * SHIFT_UNIT * sqrt(dot(ray.dn, ray.dn));
-  int steps = is_far ? 3 : 0;
-  for (int i = 0; i < steps; ++i) {
+  bool is_moving = is_far;
+  for (int i = 0; i < 8 && is_moving; ++i) {
     float advance = dot((center - high) - low, ray.dn) - back;
     vec3 step_high = advance * ray.d;
     vec3 step_low = product_error(vec3(advance), ray.d, step_high);
@@ -50,6 +51,7 @@ void approach_scene(bool is_far) {
     float z = opaque(t_sum - shift_high);
     shift_low = shift_low + ((shift_high - opaque(t_sum - z)) + (advance - z));
     shift_high = t_sum;
+    is_moving = abs(advance) > 0.125 * back;
   }
   if (is_far) {
     ray.o = (high + low) * (1.0 / SHIFT_UNIT);
