@@ -90,7 +90,7 @@ Explanation explain(Session& session, const Stage& stage, const Ray& ray) {
       }
       print(t, "             %s %u at t = %.17g, %s by %.3g (32 bits resolve %.3g)%s\n", stage.scene.is_triangle(c.primitive) ? "triangle" : "sphere", c.primitive, c.t,
             c.margin < 0.0 ? "passed" : "met inside its outline", std::abs(c.margin), lateral_bound(stage.judge.bounds, ray, c.primitive),
-            c.nearest ? ", nearest" : c.in_plane ? ", seen exactly edge-on" : "");
+            c.nearest ? ", nearest" : c.in_plane ? ", seen exactly edge-on" : c.facing < 0 ? ", front" : c.facing > 0 ? ", back" : "");
     }
   }
   print(t, "verdict      %s\n", std::string(verdict_name(e.judgement.verdict)).c_str());

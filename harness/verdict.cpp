@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <map>
 #include <optional>
 
 #include "reference/exact_values.h"
@@ -107,24 +108,70 @@ class Picture {
     return worst;
   }
 
-  /// Whether the answer went through a closed surface: a triangle that was skipped is met, and wherever the ray may have passed by it, across its
-  /// near edges, the surface goes on facing the same way. Where it turns round (a silhouette) or ends (a border) passing by is no leak.
+  /// Whether the answer went through a closed surface: the triangle that it went through, or null. Every triangle that was skipped is near, that
+  /// is met within what 32 bits resolve of its outline; rounding may take the ray past such triangles, but not through the surface:
+  ///   - Triangles that are near and hang together by their corners form a patch. Past a patch that has two facings (a silhouette) or belongs to no
+  ///     closed surface a ray may go; through a patch that faces one way it may not, unless it is the patch that answered, or
+  ///     one in which the ray starts or ends.
+  ///   - A ray that goes past a surface crosses it an even number of times. This is asked only where the number is certain: not where a near triangle
+  ///     is seen exactly edge-on, nor where a crossing lies within rounding of the ray's origin, of its end, or of the answer.
   const Crossing* leaked(HitKind kind, std::uint32_t primitive) const {
     double t = std::numeric_limits<double>::infinity();
     if (kind == HitKind::hit)
       if (const Crossing* c = find(primitive)) t = c->t - dt(*c);
+    std::vector<const Crossing*> near;
+    for (const Crossing& c : crossings_)
+      if (judge_.scene->is_triangle(c.primitive) && std::abs(c.margin) <= lateral_bound(judge_.bounds, ray_, c.primitive)) near.push_back(&c);
+    std::map<std::uint32_t, std::vector<const Crossing*>> skipped;  // by closed component
     for (const Crossing& x : crossings_) {
-      if (!x.hit || !judge_.scene->is_triangle(x.primitive) || x.primitive == primitive) continue;
+      if (!x.hit || !judge_.topology->is_closed(x.primitive) || x.primitive == primitive) continue;
       const double bound = dt(x);
-      if (!(x.t + bound < t) || x.t <= bound || x.t + bound >= ray_.t_max) continue;
-      if (!judge_.topology->is_closed(x.primitive)) continue;
-      const bool turns = std::any_of(crossings_.begin(), crossings_.end(), [&](const Crossing& y) {
-        return judge_.scene->is_triangle(y.primitive) && y.facing != x.facing && std::abs(y.t - x.t) <= bound + dt(y) &&
-               judge_.topology->share_a_corner(x.primitive, y.primitive);
-      });
-      if (!turns) return &x;
+      if (!(x.t + bound < t) || !is_between_ends(x)) continue;
+      const std::vector<const Crossing*> patch = patch_of(x, near);
+      if (std::any_of(patch.begin(), patch.end(), [&](const Crossing* c) { return c->primitive == primitive || !is_between_ends(*c); })) return nullptr;
+      if (std::all_of(patch.begin(), patch.end(), [&](const Crossing* c) { return c->facing == x.facing; })) return &x;
+      skipped[judge_.topology->component[x.primitive]].push_back(&x);
     }
+    if (skipped.empty() || std::any_of(near.begin(), near.end(), [](const Crossing* c) { return c->facing == 0; })) return nullptr;
+    for (const Crossing& c : crossings_) {
+      if (c.primitive == primitive || !judge_.topology->is_closed(c.primitive)) continue;
+      const double bound = dt(c);
+      if (std::abs(c.t) <= bound || std::abs(c.t - ray_.t_max) <= bound || std::abs(c.t - t) <= bound) return nullptr;
+    }
+    for (const auto& [component, list] : skipped)
+      if (crosses_oddly(list)) return list.front();
     return nullptr;
+  }
+
+  /// Whether the crossing lies within the ray's interval, whatever rounding does.
+  bool is_between_ends(const Crossing& c) const {
+    const double bound = dt(c);
+    return c.t > bound && c.t + bound < ray_.t_max;
+  }
+
+  /// The near triangles that hang together with x, x first.
+  std::vector<const Crossing*> patch_of(const Crossing& x, std::vector<const Crossing*> near) const {
+    std::vector<const Crossing*> patch{&x};
+    for (std::size_t i = 0; i < patch.size(); ++i)
+      std::erase_if(near, [&](const Crossing* c) {
+        if (c == patch[i]) return true;
+        if (!judge_.topology->share_a_corner(c->primitive, patch[i]->primitive)) return false;
+        patch.push_back(c);
+        return true;
+      });
+    return patch;
+  }
+
+  /// Whether the crossings, in order of t, are an odd number. Crossings of one point (a shared edge, a corner) count once; where those face both ways
+  /// the ray touches the surface there, and the number tells nothing.
+  bool crosses_oddly(const std::vector<const Crossing*>& list) const {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      const bool same_point = i > 0 && list[i]->t == list[i - 1]->t && judge_.topology->share_a_corner(list[i]->primitive, list[i - 1]->primitive);
+      if (same_point && list[i]->facing != list[i - 1]->facing) return false;
+      count += !same_point;
+    }
+    return count % 2 == 1;
   }
 
   std::string describe_truth() const {
@@ -192,7 +239,7 @@ Judgement arbitrate(const Judge& judge, const Ray& ray, const Hit& tracer, const
     }
     if (const Crossing* x = picture.leaked(tracer.kind, tracer.primitive)) {
       j.verdict = Verdict::leak;
-      j.reason = "The ray slipped through the closed surface at triangle " + std::to_string(x->primitive) + ", where no outline is near.";
+      j.reason = "The ray slipped through the closed surface at triangle " + std::to_string(x->primitive) + ".";
       return j;
     }
     j.verdict = Verdict::grazing;
