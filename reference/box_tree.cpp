@@ -131,8 +131,7 @@ SlabLine::SlabLine(const Line& line, const Box& bounds, double reach, double fir
   constexpr double kUnit = std::numeric_limits<double>::epsilon() / 2;
   for (int axis = 0; axis < 3; ++axis) {
     const double largest_bound = std::fmax(std::fabs(bounds.lower[axis]), std::fabs(bounds.upper[axis]));
-    const double pad =
-        reach + 16.0 * kUnit * (largest_bound + std::fabs(line.point[axis]) + reach) + 2.0 * std::fabs(line.rest[axis]);
+    const double pad = reach + 16.0 * kUnit * (largest_bound + std::fabs(line.point[axis]) + reach);
     before[axis] = line.point[axis] + pad;
     behind[axis] = line.point[axis] - pad;
     inverse[axis] = 1.0 / line.direction[axis];

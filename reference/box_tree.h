@@ -37,9 +37,9 @@ BoxTree build_box_tree(const std::vector<Box>& boxes);
 /// is met.
 ///
 /// In each axis the slab's s is ((bound -+ pad) - p) / d, computed with three roundings. For the box without its pad
-/// that is off by at most 4 u |s|, which moves the bound by 4 u (|bound| + |p| + pad); a pad of reach, plus four times
-/// that for the pad's own roundings, plus what `point` lacks of p, thus covers it. A zero component makes the slab's s
-/// infinite on the side where the line is, or NaN where it touches the slab's padded face; comparisons are written so
+/// that is off by at most 4 u |s|, which moves the bound by 4 u (|bound| + |p| + pad). A pad of reach plus four times
+/// that covers it, and the pad's own roundings, and what `point` lacks of p, at most u |p|. A zero component makes the
+/// slab's s infinite on the side where the line is, or NaN where it touches the padded face; comparisons are written so
 /// that NaN does not exclude.
 struct SlabLine {
   glm::dvec3 before{0.0}, behind{0.0};  ///< the line's point plus, minus the pad

@@ -127,6 +127,36 @@ TEST_CASE("Filtered decisions are the exact ones, and seldom need them") {
   CHECK(exact < static_cast<std::uint64_t>(decisions) / 100);
 }
 
+TEST_CASE("Exact comparisons of t are right without a filter before them") {
+  const Scene scene = lattice::scene(8, 6, 14);
+  int equal = 0;
+  for (int i = 0; i < 150; ++i) {
+    const Ray ray = lattice::ray(scene, 8, i);
+    const Line line = line_near(ray, {{0, 0, 0}, 8.0});
+    struct Meeting {
+      Solid solid;
+      Root root;
+      Real t;
+    };
+    std::vector<Meeting> meetings;
+    for (std::uint32_t p = 0; p < scene.primitive_count(); ++p) {
+      const brute::Answer truth = brute::answer(scene, ray, p);
+      if (!truth.meets) continue;
+      meetings.push_back({solid_of(scene, p), Root::enter, truth.enter});
+      meetings.push_back({solid_of(scene, p), Root::leave, truth.leave});
+    }
+    for (const Meeting& a : meetings) {
+      REQUIRE(exact_compare_t(line, a.solid, a.root, 0.5 / line.unit) == brute::compare(a.t, Real(0.5)));
+      for (const Meeting& b : meetings) {
+        const int order = brute::compare(a.t, b.t);
+        REQUIRE(exact_compare_t(line, a.solid, a.root, b.solid, b.root) == order);
+        equal += order == 0 && &a != &b;
+      }
+    }
+  }
+  CHECK(equal > 1000);
+}
+
 TEST_CASE("Distances are right, also where they are tiny or zero") {
   int tiny = 0, zero = 0;
   for (int i = 0; i < 3000; ++i) {
@@ -157,6 +187,26 @@ TEST_CASE("Distances are right, also where they are tiny or zero") {
   }
   CHECK(tiny > 100);
   CHECK(zero > 100);
+}
+
+TEST_CASE("A slab is not left out for a NaN") {
+  const Box bounds{glm::vec3(-1.0f), glm::vec3(1.0f)};
+  for (int axis = 0; axis < 3; ++axis) {
+    Ray ray{{}, {}, INFINITY};
+    ray.direction = glm::vec3(0.0f);
+    ray.direction[(axis + 1) % 3] = 1.0f;
+    ray.origin = -3.0f * ray.direction;
+    SlabLine slabs(line_near(ray, {{0, 0, 0}, 2.0}), bounds, 0.0, 0.0, INFINITY);
+    // As where the line runs along a padded face: (bound - before) * infinity = 0 * infinity.
+    Box touched = bounds;
+    touched.lower[axis] = 1.0f;
+    slabs.before[axis] = 1.0;
+    CHECK(slabs.enter(touched) <= 2.0 + 1e-9);
+    touched = bounds;
+    touched.upper[axis] = -1.0f;
+    slabs.behind[axis] = -1.0;
+    CHECK(slabs.enter(touched) <= 2.0 + 1e-9);
+  }
 }
 
 TEST_CASE("The tree loses no box that the line comes near") {
