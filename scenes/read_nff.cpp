@@ -109,7 +109,7 @@ class NffReader {
     }
     const auto value = parse_float(token.word);
     if (!value) fail(token.line, std::string(what) + ": expected a finite number, found " + shown(token.word));
-    tokens_.take();
+    last_number_line_ = tokens_.take().line;
     return *value;
   }
 
@@ -186,7 +186,7 @@ class NffReader {
     // Another program's extension: the name of a texture at the end of the line. Only a word with a dot can be one;
     // what else stands there is a keyword or a mistake.
     const Token next = tokens_.peek();
-    if (next.line == statement_line_ && next.word.find('.') != next.word.npos && !parse_float(next.word)) {
+    if (next.line == last_number_line_ && next.word.find('.') != next.word.npos && !parse_float(next.word)) {
       tokens_.take();
       std::string problem;
       const auto texture = find_texture(scene_, path_.parent_path() / next.word, TextureKind::color, problem);
@@ -293,7 +293,7 @@ class NffReader {
   const std::string name_;
   Tokens tokens_;
   Scene scene_;
-  std::size_t statement_line_ = 1;
+  std::size_t statement_line_ = 1, last_number_line_ = 1;
   std::vector<glm::vec3> corners_, normals_;
   WarningTally cone_, empty_polygon_, empty_sphere_, empty_cone_, inward_sphere_, inward_cone_, crossing_,
       factor_out_of_range_;

@@ -3,8 +3,9 @@
 // own triangulation, for tinyobjloader's fails on many concave ones and may take cubic time.
 #include <tiny_obj_loader.h>
 
+#include <algorithm>
+#include <istream>
 #include <map>
-#include <sstream>
 #include <streambuf>
 
 #include "scenes/builder.h"
@@ -161,6 +162,19 @@ class ObjBuilder {
   WarningTally unknown_material_, few_corners_, no_area_, crossing_, partial_;
 };
 
+/// Overwrites comments behind numbers with blanks: tinyobjloader would take them for numbers. Names may have a # in
+/// them.
+void blank_comments(std::string& text, const std::vector<TextLine>& lines) {
+  for (const TextLine& line : lines) {
+    const std::string_view statement = trimmed(line.text);
+    if (!statement.starts_with('v') && !statement.starts_with('f')) continue;
+    const std::size_t comment = line.text.find('#');
+    if (comment == line.text.npos) continue;
+    const auto start = text.begin() + (line.text.data() - text.data()) + static_cast<std::ptrdiff_t>(comment);
+    std::fill(start, start + static_cast<std::ptrdiff_t>(line.text.size() - comment), ' ');
+  }
+}
+
 ObjBuilder& builder(void* user) { return *static_cast<ObjBuilder*>(user); }
 
 }  // namespace
@@ -168,7 +182,9 @@ ObjBuilder& builder(void* user) { return *static_cast<ObjBuilder*>(user); }
 Scene read_obj(const std::filesystem::path& path, std::string text) {
   const std::string file = path.string();
   Scene scene;
-  ObjScan scan = scan_obj(file, split_lines(text, true));
+  const std::vector<TextLine> lines = split_lines(text, true);
+  blank_comments(text, lines);
+  ObjScan scan = scan_obj(file, lines);
   scene.warnings = std::move(scan.warnings);
   auto materials = read_materials(scene, path, scan.libraries);
   ObjBuilder target(file, scene, scan, std::move(materials));

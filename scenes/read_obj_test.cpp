@@ -41,7 +41,8 @@ bool has_warning(const Scene& scene, const std::string& part) {
 
 TEST_CASE("OBJ faces: negative indices, indices of later vertices, all forms of corners, continued lines") {
   const Scene scene = read_text(
-      "v 0 0 0\r\nv 1 0 0\nvt 0.25 0.75\nvn 0 0 1\nv 0 1 0\nf -3/-1/-1 -2/1/1 \\\n 3/1/1\nf 1//1 2//1 3//1\nf 1/1 2/1 "
+      "v 0 0 0 # a comment\r\nv 1 0 0\nvt 0.25 0.75\nvn 0 0 1\nv 0 1 0\nf -3/-1/-1 -2/1/1 \\\n 3/1/1\nf 1//1 2//1 3//1 "
+      "# 9\nf 1/1 2/1 "
       "3/1\nf 2 1 4\n"
       "v 0 0 7\n");
   REQUIRE(scene.triangles.size() == 4);

@@ -63,6 +63,42 @@ bool Topology::share_an_edge(std::uint32_t a, std::uint32_t b) const {
   return false;
 }
 
+namespace {
+
+/// Goes over each closed component from its first triangle, across edges. Two triangles face the same way where they run along their shared edge in
+/// opposite directions.
+void orient(Topology& topology) {
+  const auto triangle_count = static_cast<std::uint32_t>(topology.component.size());
+  topology.component_orientable = topology.component_closed;
+  topology.turned.assign(triangle_count, 0);
+  std::vector<std::uint8_t> seen(triangle_count, 0);
+  std::vector<std::uint32_t> waiting;
+  for (std::uint32_t first = 0; first < triangle_count; ++first) {
+    if (seen[first] || !topology.is_closed(first)) continue;
+    seen[first] = 1;
+    waiting.assign(1, first);
+    while (!waiting.empty()) {
+      const std::uint32_t t = waiting.back();
+      waiting.pop_back();
+      for (std::uint32_t i = 0; i < 3; ++i) {
+        const auto sides = topology.sides(t, static_cast<int>(i));
+        const std::uint32_t side = 3 * t + i, other = sides[0] == side ? sides[1] : sides[0];
+        const bool same_direction = topology.corner[side] == topology.corner[other];
+        const std::uint8_t turned = topology.turned[t] ^ static_cast<std::uint8_t>(same_direction);
+        if (!seen[other / 3]) {
+          seen[other / 3] = 1;
+          topology.turned[other / 3] = turned;
+          waiting.push_back(other / 3);
+        } else if (topology.turned[other / 3] != turned) {
+          topology.component_orientable[topology.component[t]] = 0;
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+
 Topology make_topology(const Scene& scene) {
   Topology topology;
   const auto triangle_count = static_cast<std::uint32_t>(scene.triangles.size());
@@ -127,6 +163,7 @@ Topology make_topology(const Scene& scene) {
       topology.component_closed[topology.component[side / 3]] = 0;
     }
   }
+  orient(topology);
   return topology;
 }
 

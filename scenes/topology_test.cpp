@@ -100,3 +100,25 @@ TEST_CASE("A million triangles take about a second") {
   CHECK(topology.is_closed(0));
   CHECK(topology.edge_count == scene.triangles.size() * 3 / 2);
 }
+
+TEST_CASE("A closed surface with one triangle turned over is oriented again") {
+  Scene scene = generate_scene("icosphere");
+  CHECK(make_topology(scene).turned == std::vector<std::uint8_t>(scene.triangles.size(), 0));
+  std::swap(scene.triangles[5].position[1], scene.triangles[5].position[2]);
+  const Topology topology = make_topology(scene);
+  REQUIRE(topology.component_orientable == std::vector<std::uint8_t>{1});
+  for (std::uint32_t t = 0; t < scene.triangles.size(); ++t) CHECK(topology.turned[t] == (t == 5 ? 1 : 0));
+}
+
+TEST_CASE("A closed surface with one side only cannot be oriented") {
+  // The real projective plane with six corners: the hemi-icosahedron.
+  Scene scene;
+  scene.materials.emplace_back();
+  for (int i = 0; i < 6; ++i) scene.positions.emplace_back(static_cast<float>(i), static_cast<float>(i * i), static_cast<float>(i * i * i));
+  for (const std::array<std::uint32_t, 3> f :
+       {std::array<std::uint32_t, 3>{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 5}, {0, 5, 1}, {1, 2, 4}, {2, 3, 5}, {3, 4, 1}, {4, 5, 2}, {5, 1, 3}})
+    scene.triangles.push_back({f});
+  const Topology topology = make_topology(scene);
+  CHECK(topology.component_closed == std::vector<std::uint8_t>{1});
+  CHECK(topology.component_orientable == std::vector<std::uint8_t>{0});
+}
