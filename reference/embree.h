@@ -32,8 +32,11 @@ class EmbreeScene {
   /// radii outside the scene is moved to it in double precision, its direction is scaled by a power of two, and scenes
   /// of a radius beyond 2^20 or below 2^-20 are scaled likewise. Embree's word stands even where it errs: if double
   /// precision finds no valid hit on the named primitive, t and weights are clamped to what is valid (triangle_values
-  /// in hit_values.h). rtcIntersect1 on each ray as given and nothing else, on all cores: what the benchmark times.
-  /// Returns the number of hits.
+  /// in hit_values.h).
+  void intersect(std::span<const Ray> rays, std::span<ReferenceHit> hits) const;
+
+  /// rtcIntersect1 on each ray as given and nothing else, on all cores: what the benchmark times. Returns the number of
+  /// hits.
   std::size_t intersect_only(std::span<const Ray> rays) const;
 
   static std::string version();  ///< "Embree 3.13.5"
