@@ -18,7 +18,9 @@ namespace {
 /// Nodes that reinsertion may look at: some two seconds' work. Scenes of up to 10^5 primitives take less.
 constexpr std::size_t kReinsertVisits = std::size_t{1} << 25;
 /// What kSplitBest tries beside 0, the smallest first: where it splits nothing, the others do not either.
-constexpr float kSplitTrials[] = {0.0625f, 0.25f};
+constexpr float kSplitTrials[] = {0.03125f, 0.0625f};
+/// Splitting must save at least this share of the cost, for it takes memory.
+constexpr double kSplitSaving = 0.02;
 /// kSplitBest means 0 for larger scenes: several builds would take too long, and their triangles are seldom long.
 constexpr std::uint32_t kMaxSplitSearch = 300'000;
 
@@ -48,12 +50,16 @@ SphereTree build_sphere_tree(const Scene& scene, const TreeOptions& options, int
   const std::size_t unsplit = references.list.size();
   SphereTree best = build_from(std::move(references), used, threads);
   if (!search || scene.primitive_count() > kMaxSplitSearch) return best;
+  double least = (1.0 - kSplitSaving) * expected_cost(best).total();
   for (const float trial : kSplitTrials) {
     used.split_long = trial;
     references = collect_references(scene, trial);
     if (references.list.size() == unsplit) break;
     SphereTree tree = build_from(std::move(references), used, threads);
-    if (expected_cost(tree).total() < expected_cost(best).total()) best = std::move(tree);
+    const double cost = expected_cost(tree).total();
+    if (!(cost < least)) continue;
+    best = std::move(tree);
+    least = cost;
   }
   return best;
 }

@@ -46,7 +46,7 @@ struct References {
 References collect_references(const Scene& scene, float split_long);
 
 /// The references that splitting may add: as many as there are primitives, but always this many.
-inline constexpr std::size_t kMinExtraParts = 1u << 14;
+inline constexpr std::size_t kMinExtraParts = 1u << 16;
 
 /// True where the triangle's corners lie exactly on one line: it is never hit (SEMANTICS 2.2).
 bool has_no_area(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c);
