@@ -265,12 +265,13 @@ DriverResult ask(GlContext& context, const Question& question) {
                                ? GlTexture(context, GL_RGBA32F, GL_RGBA, GL_FLOAT, kSide, kSide)
                                : GlTexture(context, GL_RGBA32UI, GL_RGBA_INTEGER, GL_UNSIGNED_INT, kSide, kSide);
   const GlFramebuffer framebuffer(context, &target, 1);
-  const std::array<std::string_view, 2> files{"exact.glsl", question.shader};
-  const GlProgram program(context, link_program(context, probe_vertex_shader(), compose_shader(files, {})));
+  const std::array<std::string_view, 3> files{"pass_constants.glsl", "exact.glsl", question.shader};
+  const std::array<ShaderDefine, 1> defines{ShaderDefine{"PASS_CONSTANT", "flat in"}};
+  const GlProgram program(context, link_program(context, probe_vertex_shader(), compose_shader(files, defines)));
   texture.bind(0);
   program.use();
   program.set("u_input", 0);
-  program.set("u_one", 1.0f);
+  program.set("u_factor", glm::vec4(1.0f));
   gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
   program.draw(kSide, kSide);
   std::vector<Words> answers(std::size_t{kSide} * kSide);

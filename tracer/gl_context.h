@@ -12,13 +12,16 @@
 #define PLUMBLINE_GL_FUNCTIONS(X)                            \
   X(ActiveTexture, PFNGLACTIVETEXTUREPROC)                   \
   X(AttachShader, PFNGLATTACHSHADERPROC)                     \
+  X(BindBuffer, PFNGLBINDBUFFERPROC)                         \
   X(BindFramebuffer, PFNGLBINDFRAMEBUFFERPROC)               \
   X(BindTexture, PFNGLBINDTEXTUREPROC)                       \
   X(BindVertexArray, PFNGLBINDVERTEXARRAYPROC)               \
+  X(BufferData, PFNGLBUFFERDATAPROC)                         \
   X(CheckFramebufferStatus, PFNGLCHECKFRAMEBUFFERSTATUSPROC) \
   X(CompileShader, PFNGLCOMPILESHADERPROC)                   \
   X(CreateProgram, PFNGLCREATEPROGRAMPROC)                   \
   X(CreateShader, PFNGLCREATESHADERPROC)                     \
+  X(DeleteBuffers, PFNGLDELETEBUFFERSPROC)                   \
   X(DeleteFramebuffers, PFNGLDELETEFRAMEBUFFERSPROC)         \
   X(DeleteProgram, PFNGLDELETEPROGRAMPROC)                   \
   X(DeleteShader, PFNGLDELETESHADERPROC)                     \
@@ -29,6 +32,7 @@
   X(DrawBuffers, PFNGLDRAWBUFFERSPROC)                       \
   X(Finish, PFNGLFINISHPROC)                                 \
   X(FramebufferTexture2D, PFNGLFRAMEBUFFERTEXTURE2DPROC)     \
+  X(GenBuffers, PFNGLGENBUFFERSPROC)                         \
   X(GenFramebuffers, PFNGLGENFRAMEBUFFERSPROC)               \
   X(GenTextures, PFNGLGENTEXTURESPROC)                       \
   X(GenVertexArrays, PFNGLGENVERTEXARRAYSPROC)               \
@@ -45,12 +49,13 @@
   X(ReadBuffer, PFNGLREADBUFFERPROC)                         \
   X(ReadPixels, PFNGLREADPIXELSPROC)                         \
   X(ShaderSource, PFNGLSHADERSOURCEPROC)                     \
+  X(TexBuffer, PFNGLTEXBUFFERPROC)                           \
   X(TexImage2D, PFNGLTEXIMAGE2DPROC)                         \
   X(TexParameteri, PFNGLTEXPARAMETERIPROC)                   \
   X(TexSubImage2D, PFNGLTEXSUBIMAGE2DPROC)                   \
-  X(Uniform1f, PFNGLUNIFORM1FPROC)                           \
   X(Uniform1i, PFNGLUNIFORM1IPROC)                           \
-  X(Uniform3f, PFNGLUNIFORM3FPROC)                           \
+  X(Uniform4f, PFNGLUNIFORM4FPROC)                           \
+  X(Uniform4i, PFNGLUNIFORM4IPROC)                           \
   X(UseProgram, PFNGLUSEPROGRAMPROC)                         \
   X(Viewport, PFNGLVIEWPORTPROC)
 

@@ -22,14 +22,30 @@ GlTexture::GlTexture(GlContext& context, GLenum internal_format, GLenum format, 
   context.check("allocating a texture");
 }
 
+GlTexture GlTexture::linear(GlContext& context, std::span<const glm::vec4> texels) {
+  const GlFunctions& gl = context.use();
+  GlTexture texture;
+  texture.context_ = &context;
+  texture.target_ = GL_TEXTURE_BUFFER;
+  gl.GenBuffers(1, &texture.buffer_);
+  gl.BindBuffer(GL_TEXTURE_BUFFER, texture.buffer_);
+  gl.BufferData(GL_TEXTURE_BUFFER, static_cast<GLsizeiptr>(texels.size_bytes()), texels.data(), GL_STATIC_DRAW);
+  gl.GenTextures(1, &texture.name_);
+  gl.BindTexture(GL_TEXTURE_BUFFER, texture.name_);
+  gl.TexBuffer(GL_TEXTURE_BUFFER, GL_RGBA32F, texture.buffer_);
+  context.check("allocating a buffer texture");
+  return texture;
+}
+
 GlTexture::~GlTexture() {
   if (name_ != 0) context_->use().DeleteTextures(1, &name_);
+  if (buffer_ != 0) context_->use().DeleteBuffers(1, &buffer_);
 }
 
 void GlTexture::bind(int unit) const {
   const GlFunctions& gl = context_->use();
   gl.ActiveTexture(static_cast<GLenum>(GL_TEXTURE0 + unit));
-  gl.BindTexture(GL_TEXTURE_2D, name_);
+  gl.BindTexture(target_, name_);
 }
 
 GlFramebuffer::GlFramebuffer(GlContext& context, const GlTexture* targets, int count) : context_(&context) {
@@ -67,13 +83,13 @@ void GlProgram::set(const char* name, int value) const {
   const GlFunctions& gl = context_->use();
   gl.Uniform1i(gl.GetUniformLocation(program_, name), value);
 }
-void GlProgram::set(const char* name, float value) const {
+void GlProgram::set(const char* name, const glm::vec4& value) const {
   const GlFunctions& gl = context_->use();
-  gl.Uniform1f(gl.GetUniformLocation(program_, name), value);
+  gl.Uniform4f(gl.GetUniformLocation(program_, name), value.x, value.y, value.z, value.w);
 }
-void GlProgram::set(const char* name, float x, float y, float z) const {
+void GlProgram::set(const char* name, const glm::ivec4& value) const {
   const GlFunctions& gl = context_->use();
-  gl.Uniform3f(gl.GetUniformLocation(program_, name), x, y, z);
+  gl.Uniform4i(gl.GetUniformLocation(program_, name), value.x, value.y, value.z, value.w);
 }
 
 void GlProgram::draw(int width, int height) const {

@@ -2,6 +2,8 @@
 // Owners of single GL objects: what a probe or a driver case creates is deleted with it.
 #pragma once
 
+#include <glm/glm.hpp>
+#include <span>
 #include <utility>
 
 #include "tracer/gl_context.h"
@@ -12,13 +14,16 @@ namespace plumbline {
 class GlTexture {
  public:
   GlTexture() = default;
+  /// A buffer texture: RGBA32F texels in one row of any length up to the driver's limit.
+  static GlTexture linear(GlContext& context, std::span<const glm::vec4> texels);
   /// Allocates width * height texels, from `texels` if it is not null.
   GlTexture(GlContext& context, GLenum internal_format, GLenum format, GLenum type, int width, int height,
             const void* texels = nullptr);
   ~GlTexture();
-  GlTexture(GlTexture&& other) noexcept : context_(other.context_), name_(std::exchange(other.name_, 0)) {}
+  GlTexture(GlTexture&& other) noexcept { *this = std::move(other); }
   GlTexture& operator=(GlTexture&& other) noexcept {
-    std::swap(context_, other.context_), std::swap(name_, other.name_);
+    std::swap(context_, other.context_), std::swap(target_, other.target_);
+    std::swap(name_, other.name_), std::swap(buffer_, other.buffer_);
     return *this;
   }
   GLuint name() const { return name_; }
@@ -28,7 +33,8 @@ class GlTexture {
 
  private:
   GlContext* context_ = nullptr;
-  GLuint name_ = 0;
+  GLenum target_ = GL_TEXTURE_2D;
+  GLuint name_ = 0, buffer_ = 0;
 };
 
 /// A framebuffer that draws into textures, attachment i into targets[i].
@@ -67,8 +73,8 @@ class GlProgram {
   void use() const;
   /// Sets a uniform of the program in use; a name that the compiler has dropped is ignored.
   void set(const char* name, int value) const;
-  void set(const char* name, float value) const;
-  void set(const char* name, float x, float y, float z) const;
+  void set(const char* name, const glm::vec4& value) const;
+  void set(const char* name, const glm::ivec4& value) const;
   /// Draws one triangle over a viewport of this size.
   void draw(int width, int height) const;
 

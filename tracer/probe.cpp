@@ -74,6 +74,7 @@ struct Probe::Impl {
   std::array<GlTexture, kTargets> targets;
   GlFramebuffer framebuffer;
   std::uint32_t primitive_count = 0;
+  glm::ivec4 range{0};  // pass_range of pass_constants.glsl
   double seconds = 0.0;
   int resumed = 0;
 
@@ -113,27 +114,24 @@ struct Probe::Impl {
     }
     program = &entry->second;
     geometry = {};  // the old image goes first: two large ones need not fit
-    geometry = GlTexture(*context, GL_RGBA32F, GL_RGBA, GL_FLOAT, image.width, image.height, image.texels.data());
+    geometry = variant.layout == Layout::compact
+                   ? GlTexture::linear(*context, image.texels)
+                   : GlTexture(*context, GL_RGBA32F, GL_RGBA, GL_FLOAT, image.width, image.height, image.texels.data());
     primitive_count = image.primitive_count;
+    range = {image.scale_exponent, 0, 0, 0};
 
+    const auto integer = [](std::uint32_t value) { return static_cast<int>(value); };
     program->use();
     program->set("u_geometry", kGeometryUnit);
     program->set("u_rays", kRayUnit);
     program->set("u_state", kStateUnit);
-    program->set("u_one", 1.0f);
-    program->set("u_center", image.center.x, image.center.y, image.center.z);
-    program->set("u_radius", image.radius);
-    program->set("u_scale_exponent", image.scale_exponent);
-    program->set("u_width_mask", image.width - 1);
-    program->set("u_width_shift", std::countr_zero(static_cast<unsigned>(image.width)));
-    program->set("u_texel_width", 1.0f / static_cast<float>(image.width));
-    program->set("u_texel_height", 1.0f / static_cast<float>(image.height));
-    program->set("u_primitive_start", static_cast<int>(image.primitive_start));
-    program->set("u_primitive_count", static_cast<int>(image.primitive_count));
-    program->set("u_copy_size", static_cast<int>(image.copy_size));
-    program->set("u_octant_bits", image.copy_count == 8 ? 7 : 0);
-    program->set("u_payload_mask", (1 << image.payload_bits) - 1);
-    program->set("u_step_limit", static_cast<int>(image.cell_count));
+    program->set("u_ball", glm::vec4(image.center, image.radius));
+    program->set("u_factor", glm::vec4(1.0f, 1.0f / static_cast<float>(image.width),
+                                       1.0f / static_cast<float>(image.height), 0.0f));
+    program->set("u_image", glm::ivec4(image.width - 1, std::countr_zero(static_cast<unsigned>(image.width)),
+                                       integer(image.primitive_start), integer(image.primitive_count)));
+    program->set("u_walk", glm::ivec4(integer(image.copy_size), image.copy_count == 8 ? 7 : 0,
+                                      (1 << image.payload_bits) - 1, integer(image.cell_count)));
   }
 
   /// Uploads `count` rays from ray_texels; what remains of the last row becomes rays without direction, which end at
@@ -163,8 +161,7 @@ struct Probe::Impl {
     rays.bind(kRayUnit);
     if (state) state.bind(kStateUnit);
     program->use();
-    program->set("u_resume", resume ? 1 : 0);
-    program->set("u_range_end", static_cast<int>(range_end));
+    program->set("u_range", glm::ivec4(range.x, resume ? 1 : 0, static_cast<int>(range_end), 0));
     gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
     gl.Disable(GL_DITHER);
     const auto start = Clock::now();

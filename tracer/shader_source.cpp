@@ -175,7 +175,9 @@ ShaderText probe_fragment_shader(const ProgramVariant& variant, std::span<const 
   if (variant.has_triangles) defines.emplace_back("HAS_TRIANGLES", "");
   if (variant.has_spheres) defines.emplace_back("HAS_SPHERES", "");
   if (variant.bounds == Bounds::aabb) defines.emplace_back("BOUNDS_AABB", "");
-  const std::array<std::string_view, 10> files{
+  defines.emplace_back("PASS_CONSTANT", "flat in");
+  const std::array<std::string_view, 11> files{
+      "pass_constants.glsl",
       "exact.glsl",
       "ray_prepare.glsl",
       "triangle.glsl",
@@ -190,8 +192,9 @@ ShaderText probe_fragment_shader(const ProgramVariant& variant, std::span<const 
 }
 
 ShaderText probe_vertex_shader(GlslDialect dialect) {
-  const std::array<std::string_view, 1> files{"probe.vert.glsl"};
-  return compose_shader(files, {}, {}, dialect);
+  const std::array<std::string_view, 2> files{"pass_constants.glsl", "probe.vert.glsl"};
+  const std::array<ShaderDefine, 1> defines{ShaderDefine{"PASS_CONSTANT", "flat out"}};
+  return compose_shader(files, defines, {}, dialect);
 }
 
 }  // namespace plumbline

@@ -2,14 +2,13 @@
 // Arithmetic whose rounding errors are known or zero. Compilers may take real-number algebra for float algebra and turn (a + b) - a
 // into b; a sum that passes through `opaque` can't be seen through. Denormals may be flushed to zero by any operation.
 
-uniform float u_one;  // 1, which only the host knows
-
-float opaque(float x) { return x * u_one; }
+float opaque(float x) { return x * pass_factor.x; }
+vec3 opaque(vec3 x) { return x * pass_factor.x; }
 
 // a + b = x + y exactly (Knuth), per component.
 vec3 sum_error(vec3 a, vec3 b, vec3 sum) {
-  vec3 z = sum * u_one - a;
-  return (a - (sum - z) * u_one) + (b - z);
+  vec3 z = opaque(sum) - a;
+  return (a - opaque(sum - z)) + (b - z);
 }
 
 // The upper 12 of a float's 24 significant bits: products of two such halves are exact.

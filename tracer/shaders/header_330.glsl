@@ -1,1 +1,2 @@
 #version 330 core
+#define BUFFER_TEXTURES

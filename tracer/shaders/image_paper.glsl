@@ -2,16 +2,11 @@
 // Where things stand in a geometry image of layout `paper` (geometry_image.h). A primitive's address is its number k.
 
 uniform sampler2D u_geometry;
-uniform int u_width_mask;   // width - 1
-uniform int u_width_shift;  // log2(width)
-uniform float u_texel_width, u_texel_height;  // 1 / width, 1 / height
-uniform int u_primitive_start;
-uniform int u_primitive_count;
 
 vec4 cell_texel(int cell, int row) {
-  return texelFetch(u_geometry, ivec2(cell & u_width_mask, (cell >> u_width_shift) * 2 + row), 0);
+  return texelFetch(u_geometry, ivec2(cell & pass_image.x, (cell >> pass_image.y) * 2 + row), 0);
 }
-int primitive_cell(int address) { return u_primitive_start + address * PRIMITIVE_STRIDE; }
+int primitive_cell(int address) { return pass_image.z + address * PRIMITIVE_STRIDE; }
 vec4 primitive_0(int address) { return cell_texel(primitive_cell(address), 0); }
 #ifdef HAS_TRIANGLES
 vec4 primitive_1(int address) { return cell_texel(primitive_cell(address) + 1, 0); }
@@ -20,4 +15,4 @@ vec4 primitive_2(int address) { return cell_texel(primitive_cell(address), 1); }
 vec4 primitive_1(int address) { return cell_texel(primitive_cell(address), 1); }
 #endif
 int next_primitive(int address) { return address + 1; }
-bool is_primitive(int address) { return address < u_primitive_count; }
+bool is_primitive(int address) { return address < pass_image.w; }

@@ -2,8 +2,7 @@
 // One ray per pixel: rays come from a texture, results go to three integer targets, whose words no driver converts.
 
 uniform sampler2D u_rays;        // row y, texels 2 x and 2 x + 1: origin and t_max, direction and 0
-uniform usampler2D u_state;      // read where u_resume is 1: what an unfinished pixel wrote, three texels a pixel
-uniform int u_resume;
+uniform usampler2D u_state;      // read where walks are resumed: what an unfinished pixel wrote, three texels a pixel
 
 layout(location = 0) out uvec4 out_0;  // kind + 8 * primitive, t, steps, primitives tested
 layout(location = 1) out uvec4 out_1;  // position, weight of the second corner
@@ -21,7 +20,7 @@ void start_or_resume(ivec2 pixel) {
   nearest.tests = 0;
   nearest.pending = -1;
   start_walk();
-  if (u_resume != 0) {
+  if (pass_range.y != 0) {
     ivec2 at = ivec2(pixel.x * 3, pixel.y);
     uvec4 s0 = texelFetch(u_state, at, 0);
     uvec4 s1 = texelFetch(u_state, at + ivec2(1, 0), 0);
@@ -62,11 +61,11 @@ void write_result(float t_max) {
   }
 #endif
   uvec3 position_bits = floatBitsToUint(position);
-  if (u_scale_exponent != 0) {
+  if (pass_range.x != 0) {
     uvec3 sign_bits = position_bits & uvec3(0x80000000u);
     position = abs(position);
-    position_bits = sign_bits | uvec3(scaled_bits(position.x, -u_scale_exponent), scaled_bits(position.y, -u_scale_exponent),
-                                      scaled_bits(position.z, -u_scale_exponent));
+    position_bits = sign_bits | uvec3(scaled_bits(position.x, -pass_range.x), scaled_bits(position.y, -pass_range.x),
+                                      scaled_bits(position.z, -pass_range.x));
   }
   uint kind = !ray.defined ? KIND_UNDEFINED : !walk.ended ? KIND_CAPPED : hit ? KIND_HIT : KIND_MISS;
   uint primitive = hit ? uint(nearest.label) - 1u : 0u;
@@ -88,7 +87,7 @@ void main() {
     was_pending = nearest.pending >= 0;
     resolve_pending();
   }
-  bool unfinished = !walk.ended && walk.steps < u_step_limit;
+  bool unfinished = !walk.ended && walk.steps < pass_walk.w;
   write_result(origin_and_end.w);
   if (unfinished) write_unfinished();
 }

@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Once per ray: the ray as given becomes the ray that walks. Everything that depends on the ray alone is computed here.
 
-uniform vec3 u_center;         // of the scene's ball, image units
-uniform float u_radius;        // of the scene's ball
-uniform int u_scale_exponent;  // image units = world units * 2^this
-
 // The walking ray is the set of points o + t d in image units. Its t and the ray's own are related by
 //   t_given = (t * shift_unit + shift_low + shift_high) * 2^exponent.
 struct WalkRay {
@@ -35,17 +31,17 @@ bool is_finite(ivec3 magnitude) { return max(max(magnitude.x, magnitude.y), magn
 // scaled by 2^-8 that nothing overflows. Rays that are near take no step.
 void approach_scene(bool is_far) {
   vec3 high = ray.o * SHIFT_UNIT, low = vec3(0.0);
-  vec3 center = u_center * SHIFT_UNIT;
+  vec3 center = pass_ball.xyz * SHIFT_UNIT;
   float shift_high = 0.0, shift_low = 0.0;
-  float back = 2.0 * u_radius * SHIFT_UNIT * sqrt(dot(ray.dn, ray.dn));
+  float back = 2.0 * pass_ball.w * SHIFT_UNIT * sqrt(dot(ray.dn, ray.dn));
   bool is_moving = is_far;
   for (int i = 0; i < 8 && is_moving; ++i) {
     float advance = dot((center - high) - low, ray.dn) - back;
     vec3 step_high = advance * ray.d;
     vec3 step_low = product_error(vec3(advance), ray.d, step_high);
-    vec3 sum = (high + step_high) * u_one;
+    vec3 sum = opaque(high + step_high);
     low = low + (sum_error(high, step_high, sum) + step_low);
-    high = (sum + low) * u_one;
+    high = opaque(sum + low);
     low = sum_error(sum, low, high);
     float t_sum = opaque(shift_high + advance);
     float z = opaque(t_sum - shift_high);
@@ -69,7 +65,7 @@ void prepare_ray(vec3 origin, vec3 direction, float t_max) {
   int largest = max(max(d_magnitude.x, d_magnitude.y), d_magnitude.z);
   ray.defined = is_finite(o_magnitude) && is_finite(d_magnitude) && t_magnitude <= 0x7f800000 && largest > 0;
   // What has no answer is replaced by something harmless, so that no NaN walks.
-  origin = ray.defined ? origin : u_center;
+  origin = ray.defined ? origin : pass_ball.xyz;
   direction = ray.defined ? direction : vec3(0.0, 0.0, 1.0);
   largest = ray.defined ? largest : 0x3f800000;
   t_max = ray.defined ? t_max : 0.0;
@@ -78,8 +74,8 @@ void prepare_ray(vec3 origin, vec3 direction, float t_max) {
   float mantissa = split_exponent(largest, exponent);
   exponent += ((floatBitsToInt(mantissa) >> 23) & 255) - 127;
   ray.d = scale_exactly(direction, -exponent);
-  ray.o = u_scale_exponent == 0 ? origin : scale_exactly(origin, u_scale_exponent);
-  ray.exponent = -exponent - u_scale_exponent;
+  ray.o = pass_range.x == 0 ? origin : scale_exactly(origin, pass_range.x);
+  ray.exponent = -exponent - pass_range.x;
   ray.inverse_d2 = 1.0 / dot(ray.d, ray.d);
   ray.dn = ray.d * ray.inverse_d2;
 
@@ -92,15 +88,15 @@ void prepare_ray(vec3 origin, vec3 direction, float t_max) {
   ray.shift_high = 0.0;
   ray.shift_low = 0.0;
   ray.shift_unit = 1.0;
-  vec3 m = u_center - ray.o;
-  bool is_far = !(dot(m, m) <= 4.0 * u_radius * u_radius);  // an overflow is far
+  vec3 m = pass_ball.xyz - ray.o;
+  bool is_far = !(dot(m, m) <= 4.0 * pass_ball.w * pass_ball.w);  // an overflow is far
   bool leaves = is_far && dot(m * SHIFT_UNIT, ray.dn) <= 0.0;
   approach_scene(is_far && !leaves);
 
   // A far ray whose point next to the centre lies outside the ball misses; 1.25 covers the error of the walking origin.
-  m = u_center - ray.o;
+  m = pass_ball.xyz - ray.o;
   vec3 f = m - dot(m, ray.dn) * ray.d;
-  bool passes = is_far && !(dot(f, f) <= 1.5625 * u_radius * u_radius);
+  bool passes = is_far && !(dot(f, f) <= 1.5625 * pass_ball.w * pass_ball.w);
   bool positive = t_magnitude > 0 && floatBitsToInt(t_max) > 0;
   ray.misses = leaves || passes || !positive;
 

@@ -4,13 +4,9 @@
 // Both loops leave their bodies before they change what they depend on: a pixel that has left computes the same values again while its
 // neighbours go on, so that values read after a loop are right even where the driver overwrites them (Mesa 22.3).
 
-uniform int u_copy_size;   // texels of one copy of the tree
-uniform int u_octant_bits;   // 7 where there is a copy per octant of directions, else 0
-uniform int u_payload_mask;
-
 void start_walk() {
   int octant = (ray.d.x < 0.0 ? 1 : 0) + (ray.d.y < 0.0 ? 2 : 0) + (ray.d.z < 0.0 ? 4 : 0);
-  walk.at = ivec2((octant & u_octant_bits) * u_copy_size, 0);
+  walk.at = ivec2((octant & pass_walk.y) * pass_walk.x, 0);
 }
 
 #ifdef BOUNDS_AABB
@@ -41,12 +37,12 @@ void walk_tree() {
       bool is_hit = distance2 <= abs(node.w);
       leaf_is_hit = distance2 <= -node.w;
 #endif
-      if (leaf_is_hit || walk.steps >= u_step_limit) break;
-      at += is_hit || word < 0 ? NODE_TEXELS : word & u_payload_mask;
+      if (leaf_is_hit || walk.steps >= pass_walk.w) break;
+      at += is_hit || word < 0 ? NODE_TEXELS : word & pass_walk.z;
     }
     bool is_end = word == END_WORD;
     bool in_cluster = leaf_is_hit && !is_end;
-    int address = walk.cluster_at == at ? walk.cluster_next : word & u_payload_mask;
+    int address = walk.cluster_at == at ? walk.cluster_next : word & pass_walk.z;
     bool is_last = !in_cluster;
     while (!is_last && nearest.pending < 0 && is_primitive(address)) {
       is_last = test_primitive(address) < 0.0;
@@ -60,7 +56,7 @@ void walk_tree() {
       --walk.steps;  // the leaf will be visited again
     }
     if (in_cluster && is_last) at += NODE_TEXELS;
-    if (walk.ended || nearest.pending >= 0 || walk.steps >= u_step_limit) break;
+    if (walk.ended || nearest.pending >= 0 || walk.steps >= pass_walk.w) break;
   }
   walk.at.x = at;
 }

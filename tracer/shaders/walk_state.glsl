@@ -10,6 +10,4 @@ struct Walk {
   bool ended;      // the end was reached
 };
 
-uniform int u_step_limit;  // the image's cell_count: no walk in a sound image is longer
-
 Walk walk;
