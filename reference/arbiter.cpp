@@ -208,7 +208,9 @@ struct Arbiter::Impl {
 
   SlabLine slabs(const Line& line, double reach, const Range& range) const {
     // s = t - shift, and what the difference's rounding may have taken.
-    const auto rounding = [&](double t) { return 0x1p-52 * (std::fabs(t) + std::fabs(line.shift)); };
+    const auto rounding = [&](double t) {
+      return std::isinf(t) ? 0.0 : 0x1p-52 * (std::fabs(t) + std::fabs(line.shift));
+    };
     return {line, tree.bounds, reach, range.first - line.shift - rounding(range.first),
             range.last - line.shift + rounding(range.last)};
   }
@@ -237,6 +239,7 @@ std::vector<Crossing> Arbiter::crossings(const Ray& ray, double reach, double t_
   Filter filter(line);
   const double slack = t_slack / line.unit;
   const Range range{-slack, line.t_max + slack};
+  if (!(range.first < range.last)) return {};
   SlabLine slabs = impl_->slabs(line, reach, range);
   std::vector<Found> found;
   Found one;
@@ -259,6 +262,7 @@ std::vector<Crossing> Arbiter::crossings(const Ray& ray, double reach, double t_
 
 std::vector<std::uint32_t> Arbiter::nearest(const Ray& ray) const {
   PLUMBLINE_ASSERT(is_defined(ray));
+  if (!(ray.t_max > 0.0f)) return {};
   const Line line = line_near(ray, impl_->ball);
   Filter filter(line);
   SlabLine slabs = impl_->slabs(line, 0.0, {0.0, line.t_max});

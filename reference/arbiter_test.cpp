@@ -43,6 +43,9 @@ TEST_CASE("A ray is open at zero and closed at t_max") {
   CHECK(arbiter.nearest({origin, up, step_ulps(1.5f, -1)}).empty());
   CHECK(arbiter.nearest({origin, up, 0.0f}).empty());
   CHECK(arbiter.nearest({origin, up, -1.0f}).empty());
+  CHECK(arbiter.nearest({origin, up, -kInfinity}).empty());
+  CHECK(arbiter.crossings({origin, up, -kInfinity}, 1.0, 1e9).empty());
+  CHECK(arbiter.crossings({origin, up, 0.0f}, 0.0, 1.5).size() == 1);  // with slack
   // From the surface the triangle itself is not met, the sphere behind it is.
   CHECK(arbiter.nearest({{0.25f, 0.25f, 0}, up, kInfinity}) == Primitives{kSphere});
   CHECK(arbiter.nearest({{0.25f, 0.25f, -0x1p-149f}, up, kInfinity}) == Primitives{kTriangle});
