@@ -75,10 +75,18 @@ class Picture {
     return c && is_nearest(*c);
   }
 
+  /// Whether `t` is a sphere's other root than the exact one.
+  bool is_other_root(const Crossing& c, double t) const {
+    if (judge_.scene->is_triangle(c.primitive) || !c.on_line) return false;
+    const double other = c.t == c.t_enter ? c.t_leave : c.t_enter;
+    return std::abs(t - other) < std::abs(t - c.t);
+  }
+
   double dt(const Crossing& c) const { return value_bounds(judge_.bounds, ray_, c.primitive, c.t).t; }
 
-  /// Whether 32-bit evaluation may have come to this answer although it is not the exact one; if so, the largest relaxation used.
-  std::optional<Relaxation> explained(HitKind kind, std::uint32_t primitive) const {
+  /// Whether 32-bit evaluation may have come to this answer although it is not the exact one; if so, the largest relaxation used. `answered_t` tells
+  /// which of a sphere's two roots the answer means.
+  std::optional<Relaxation> explained(HitKind kind, std::uint32_t primitive, double answered_t) const {
     Relaxation worst;
     const auto use = [&](double amount, double bound) {
       const Relaxation r{amount, bound};
@@ -90,18 +98,27 @@ class Picture {
     if (kind == HitKind::hit) {
       const Crossing* c = find(primitive);
       if (!c) return std::nullopt;
-      t = c->t, t_bound = dt(*c);
+      t_bound = dt(*c);
+      t = c->t;
+      if (is_other_root(*c, answered_t)) {
+        // The near root lies within rounding of the origin, and was taken for valid, or for behind it.
+        if (!use(std::abs(c->t_enter) * length_, t_bound * length_)) return std::nullopt;
+        t = c->t == c->t_enter ? c->t_leave : c->t_enter;
+      }
       if (!c->on_line && !use(-c->margin, lateral_bound(judge_.bounds, ray_, primitive))) return std::nullopt;
-      if (!(c->t > 0.0) && !use(-c->t * length_, t_bound * length_)) return std::nullopt;
-      if (c->t > ray_.t_max && !use((c->t - ray_.t_max) * length_, t_bound * length_)) return std::nullopt;
+      if (!(t > 0.0) && !use(-t * length_, t_bound * length_)) return std::nullopt;
+      if (t > ray_.t_max && !use((t - ray_.t_max) * length_, t_bound * length_)) return std::nullopt;
     }
     for (const Crossing& x : crossings_) {  // all that the answer skipped
-      if (!x.hit || x.primitive == primitive || !(x.t < t)) continue;
+      if (!x.hit || !(x.t < t)) continue;
+      if (x.primitive == primitive) continue;
       const double bound = dt(x);
       const bool order = kind == HitKind::hit && use((t - x.t) * length_, (bound + t_bound) * length_);
       if (order) continue;
       if (use(x.margin, lateral_bound(judge_.bounds, ray_, x.primitive))) continue;
-      if (use(x.t * length_, bound * length_)) continue;
+      // Taken for behind the origin; a sphere's far root must then be beyond the answer, or the ray's end.
+      const bool far_root_matters = !judge_.scene->is_triangle(x.primitive) && x.t_leave > bound && x.t_leave + bound + t_bound < std::min<double>(t, ray_.t_max);
+      if (!far_root_matters && use(x.t * length_, bound * length_)) continue;
       if (std::isfinite(ray_.t_max) && use((ray_.t_max - x.t) * length_, bound * length_)) continue;
       return std::nullopt;
     }
@@ -112,7 +129,7 @@ class Picture {
   /// is met within what 32 bits resolve of its outline; rounding may take the ray past such triangles, but not through the surface:
   ///   - Triangles that are near and hang together by their corners form a patch. Past a patch that has two facings (a silhouette) or belongs to no
   ///     closed surface a ray may go; through a patch that faces one way it may not, unless it is the patch that answered, or
-  ///     one in which the ray starts or ends.
+  ///     one in which the ray starts or ends, or that goes on behind the answer.
   ///   - A ray that goes past a surface crosses it an even number of times. This is asked only where the number is certain: not where a near triangle
   ///     is seen exactly edge-on, nor where a crossing lies within rounding of the ray's origin, of its end, or of the answer.
   const Crossing* leaked(HitKind kind, std::uint32_t primitive) const {
@@ -124,17 +141,15 @@ class Picture {
       if (judge_.scene->is_triangle(c.primitive) && std::abs(c.margin) <= lateral_bound(judge_.bounds, ray_, c.primitive)) near.push_back(&c);
     std::map<std::uint32_t, std::vector<const Crossing*>> skipped;  // by closed component
     for (const Crossing& x : crossings_) {
-      if (!x.hit || !judge_.topology->is_closed(x.primitive) || x.primitive == primitive) continue;
-      const double bound = dt(x);
-      if (!(x.t + bound < t) || !is_between_ends(x)) continue;
+      if (!x.hit || !is_in_closed_surface(x.primitive) || x.primitive == primitive || !is_within(x, t)) continue;
       const std::vector<const Crossing*> patch = patch_of(x, near);
-      if (std::any_of(patch.begin(), patch.end(), [&](const Crossing* c) { return c->primitive == primitive || !is_between_ends(*c); })) return nullptr;
-      if (std::all_of(patch.begin(), patch.end(), [&](const Crossing* c) { return c->facing == x.facing; })) return &x;
+      if (std::any_of(patch.begin(), patch.end(), [&](const Crossing* c) { return c->primitive == primitive || !is_within(*c, t); })) return nullptr;
+      if (std::all_of(patch.begin(), patch.end(), [&](const Crossing* c) { return side_of(*c) == side_of(x); })) return &x;
       skipped[judge_.topology->component[x.primitive]].push_back(&x);
     }
     if (skipped.empty() || std::any_of(near.begin(), near.end(), [](const Crossing* c) { return c->facing == 0; })) return nullptr;
     for (const Crossing& c : crossings_) {
-      if (c.primitive == primitive || !judge_.topology->is_closed(c.primitive)) continue;
+      if (c.primitive == primitive || !is_in_closed_surface(c.primitive)) continue;
       const double bound = dt(c);
       if (std::abs(c.t) <= bound || std::abs(c.t - ray_.t_max) <= bound || std::abs(c.t - t) <= bound) return nullptr;
     }
@@ -143,10 +158,16 @@ class Picture {
     return nullptr;
   }
 
-  /// Whether the crossing lies within the ray's interval, whatever rounding does.
-  bool is_between_ends(const Crossing& c) const {
+  bool is_in_closed_surface(std::uint32_t primitive) const {
+    return judge_.topology->is_closed(primitive) && judge_.topology->component_orientable[judge_.topology->component[primitive]];
+  }
+  /// The side of its surface that the line meets: as `facing`, but told alike by all triangles of a surface, however each is wound.
+  int side_of(const Crossing& c) const { return judge_.topology->turned[c.primitive] ? -c.facing : c.facing; }
+
+  /// Whether the crossing lies between the ray's origin and both its end and `t`, whatever rounding does.
+  bool is_within(const Crossing& c, double t) const {
     const double bound = dt(c);
-    return c.t > bound && c.t + bound < ray_.t_max;
+    return c.t > bound && c.t + bound < ray_.t_max && c.t + bound < t;
   }
 
   /// The near triangles that hang together with x, x first.
@@ -168,7 +189,7 @@ class Picture {
     std::size_t count = 0;
     for (std::size_t i = 0; i < list.size(); ++i) {
       const bool same_point = i > 0 && list[i]->t == list[i - 1]->t && judge_.topology->share_a_corner(list[i]->primitive, list[i - 1]->primitive);
-      if (same_point && list[i]->facing != list[i - 1]->facing) return false;
+      if (same_point && side_of(*list[i]) != side_of(*list[i - 1])) return false;
       count += !same_point;
     }
     return count % 2 == 1;
@@ -202,9 +223,22 @@ std::string answer(HitKind kind, std::uint32_t primitive) {
   return kind == HitKind::hit ? "primitive " + std::to_string(primitive) : std::string("a miss");
 }
 
-/// What happens to values once the primitive is settled: they must lie within their bounds of the exact values.
-std::string exact_value_error(const Judge& judge, const Ray& ray, const Hit& tracer) {
-  const ReferenceHit truth = exact_hit(*judge.scene, ray, tracer.primitive);
+/// The values on a sphere at its other root than exact_hit's, in double.
+ReferenceHit at_other_root(const Scene& scene, const Ray& ray, const ReferenceHit& truth) {
+  const Sphere& sphere = scene.sphere(truth.primitive);
+  const glm::dvec3 o(ray.origin), d(ray.direction), c(sphere.center);
+  const double foot = glm::dot(c - o, d) / glm::dot(d, d);
+  ReferenceHit other = truth;
+  other.t = 2.0 * foot - truth.t;
+  other.position = o + other.t * d;
+  other.normal = glm::normalize(other.position - c);
+  return other;
+}
+
+/// Once the primitive is settled, values must lie within their bounds of the exact values: which of them does not, empty if all do.
+std::string exact_value_error(const Judge& judge, const Ray& ray, const Hit& tracer, bool other_root) {
+  ReferenceHit truth = exact_hit(*judge.scene, ray, tracer.primitive);
+  if (other_root) truth = at_other_root(*judge.scene, ray, truth);
   return value_outside_bound(value_bounds(judge.bounds, ray, tracer.primitive, truth.t), tracer, truth);
 }
 
@@ -213,13 +247,18 @@ Judgement arbitrate(const Judge& judge, const Ray& ray, const Hit& tracer, const
   j.arbitrated = true;
   const Picture picture(judge, ray);
   j.exact = picture.describe_truth();
-  const bool tracer_exact = picture.is_exact(tracer.kind, tracer.primitive);
+  bool tracer_exact = picture.is_exact(tracer.kind, tracer.primitive);
   const bool reference_exact = picture.is_exact(reference.kind, reference.primitive);
   const bool same = tracer.kind == reference.kind && tracer.primitive == reference.primitive;
 
   if (tracer_exact && tracer.kind == HitKind::hit) {
-    const std::string error = exact_value_error(judge, ray, tracer);
-    if (!error.empty()) {
+    const Crossing* c = picture.find(tracer.primitive);
+    const bool other_root = picture.is_other_root(*c, tracer.t);
+    const std::string error = exact_value_error(judge, ray, tracer, other_root);
+    if (error.empty() && other_root) {
+      // Right primitive, wrong root of a sphere: to be explained like a wrong primitive.
+      tracer_exact = false;
+    } else if (!error.empty()) {
       j.verdict = Verdict::tracer_wrong;
       j.reason = "The tracer found the right primitive, but " + error + ".";
       return j;
@@ -231,7 +270,7 @@ Judgement arbitrate(const Judge& judge, const Ray& ray, const Hit& tracer, const
     return j;
   }
   if (!tracer_exact) {
-    const auto why = picture.explained(tracer.kind, tracer.primitive);
+    const auto why = picture.explained(tracer.kind, tracer.primitive, tracer.t);
     if (!why) {
       j.verdict = Verdict::tracer_wrong;
       j.reason = "The tracer answered " + answer(tracer.kind, tracer.primitive) + ", which no rounding of its formulas explains.";
@@ -247,7 +286,7 @@ Judgement arbitrate(const Judge& judge, const Ray& ray, const Hit& tracer, const
     j.reason = "The tracer's answer differs from the exact one by less than 32 bits resolve.";
     return j;
   }
-  const auto why = picture.explained(reference.kind, reference.primitive);
+  const auto why = picture.explained(reference.kind, reference.primitive, reference.t);
   if (!why) {
     j.verdict = Verdict::reference_wrong;
     j.reason = "Embree answered " + answer(reference.kind, reference.primitive) + "; the tracer is exactly right.";
