@@ -16,7 +16,7 @@ namespace plumbline {
 namespace {
 
 /// Nodes that reinsertion may look at: some two seconds' work. Scenes of up to 10^5 primitives take less.
-constexpr std::size_t kReinsertVisits = std::size_t{1} << 25;
+constexpr std::size_t kReinsertVisits = std::size_t{1} << 24;
 /// What kSplitBest tries beside 0, the smallest first: where it splits nothing, the others do not either.
 constexpr float kSplitTrials[] = {0.03125f, 0.0625f};
 /// Splitting must save at least this share of the cost, for it takes memory.
