@@ -23,16 +23,18 @@ Tree parsed(const std::string& xml) {
   return tree;
 }
 
+double number(const Tree& tree, const char* path) { return std::stod(tree.get<std::string>(path)); }
+
 }  // namespace
 
 TEST_CASE("junit: a suite per feature, counts that add up") {
   const RunRecord run = example_run();
   const Tree tree = parsed(junit_xml(run));
   const Tree& all = tree.get_child("testsuites");
-  CHECK(all.get<int>("<xmlattr>.tests") == 25);
-  CHECK(all.get<int>("<xmlattr>.failures") == 2);
-  CHECK(all.get<int>("<xmlattr>.errors") == 1);
-  CHECK(all.get<int>("<xmlattr>.skipped") == 1);
+  CHECK(number(all, "<xmlattr>.tests") == 25);
+  CHECK(number(all, "<xmlattr>.failures") == 2);
+  CHECK(number(all, "<xmlattr>.errors") == 1);
+  CHECK(number(all, "<xmlattr>.skipped") == 1);
   std::vector<std::string> suites;
   int cases = 0, failures = 0, errors = 0, skipped = 0, attachments = 0;
   for (const auto& [tag, suite] : all) {
@@ -46,7 +48,7 @@ TEST_CASE("junit: a suite per feature, counts that add up") {
       failures += static_cast<int>(test.count("failure"));
       errors += static_cast<int>(test.count("error"));
       skipped += static_cast<int>(test.count("skipped"));
-      CHECK(test.get<double>("<xmlattr>.time") >= 0.0);
+      CHECK(number(test, "<xmlattr>.time") >= 0.0);
       attachments += test.get<std::string>("system-out").find("[[ATTACHMENT|") != std::string::npos;
       if (test.get<std::string>("<xmlattr>.name") != "hits.random_chords.balls_4") continue;
       CHECK(test.get<std::string>("failure.<xmlattr>.type") == "tracer_wrong");
@@ -65,9 +67,9 @@ TEST_CASE("junit: a suite per feature, counts that add up") {
 
 TEST_CASE("junit: a case whose rays lack a verdict is a failure") {
   RunRecord run = example_run({.failing = false});
-  CHECK(parsed(junit_xml(run)).get<int>("testsuites.<xmlattr>.failures") == 0);
+  CHECK(number(parsed(junit_xml(run)), "testsuites.<xmlattr>.failures") == 0);
   run.cases.back().rays += 1;
-  CHECK(parsed(junit_xml(run)).get<int>("testsuites.<xmlattr>.failures") == 1);
+  CHECK(number(parsed(junit_xml(run)), "testsuites.<xmlattr>.failures") == 1);
 }
 
 TEST_CASE("junit: what XML forbids does not get out") {
