@@ -27,6 +27,9 @@
 // f = m - tb d: the error of tb moves f along the ray, to which f is perpendicular: of second order; rounding brings 4uM across. So |f| is off by
 // at most 4uM + (12uM)^2 / |f|, and r^2 - f.f by D = 2|f| 4uM + (14uM)^2 + 4u f^2 + 3u r^2. h = sqrt(r^2 - f.f) is off by at most
 // min(D / h, sqrt D) + 2uh.  dt |d| = 12uM + that + 4u|t d|;  position: that + 4uM + 2u|p|;  normal = (p - c) / r: dp / r + 4u.
+// Underflow. The driver flushes denormals to zero, in what it reads and in what it computes: a coordinate of the origin or of a corner may be off by
+// 2^-126, seen along the ray and through both by at most kFlush = 2^-123. Products of coordinates are covered by kUnderflow.
+//
 // lateral: |f| is compared with r:  D / r, and 4uM + sqrt... is not needed, for r + |f| >= r:  |r - |f|| <= D / (r + |f|) <= D / r.
 #include "harness/bounds.h"
 
@@ -40,6 +43,9 @@ namespace {
 constexpr double u = 0x1p-24;
 /// What gradual underflow, flushed to zero, may take from one product of scaled coordinates: relative to the scene's radius squared.
 constexpr double kUnderflow = 0x1p-80;
+
+/// What flushing denormal coordinates to zero may move a point by.
+constexpr double kFlush = 0x1p-123;
 
 /// The tracer moves an origin that is farther than this many radii from the ball's centre.
 constexpr double kNear = 2.0;
@@ -94,7 +100,7 @@ Seen see(const BoundsContext& c, const Ray& ray, std::uint32_t primitive) {
     s.shortest = std::min(s.shortest, e);
   }
   s.det = std::abs((s.x[1] - s.x[0]) * (s.y[2] - s.y[0]) - (s.y[1] - s.y[0]) * (s.x[2] - s.x[0]));
-  s.delta = (moved ? 13.0 : 6.0) * u * s.reach;
+  s.delta = (moved ? 13.0 : 6.0) * u * s.reach + kFlush;
   return s;
 }
 
@@ -122,7 +128,7 @@ SeenSphere see_sphere(const BoundsContext& c, const Ray& ray, const Sphere& sphe
     s.reach = std::min(s.reach, 4.0 * c.ball.radius);
     across += 4.0;  // the moved origin's own rounding
   }
-  const double r = sphere.radius, lateral = across * u * s.reach;
+  const double r = sphere.radius, lateral = across * u * s.reach + kFlush;
   s.error = 2.0 * s.off * lateral + std::pow((10.0 + across) * u * s.reach, 2) + 4.0 * u * s.off * s.off + 3.0 * u * r * r;
   return s;
 }
@@ -148,7 +154,7 @@ ValueBounds value_bounds(const BoundsContext& c, const Ray& ray, std::uint32_t p
     const double r = sphere.radius;
     const double h = std::sqrt(std::max(0.0, r * r - s.off * s.off));
     const double dh = (h > 0.0 ? std::min(s.error / h, std::sqrt(s.error)) : std::sqrt(s.error)) + 2.0 * u * h;
-    const double along = 12.0 * u * s.reach + dh;
+    const double along = 12.0 * u * s.reach + dh + kFlush;
     const double largest = glm::length(glm::dvec3(sphere.center)) + r;
     b.t = (along + 4.0 * u * std::abs(t) * s.length) / s.length;
     b.position = along + 4.0 * u * s.reach + 2.0 * u * largest;
@@ -165,9 +171,9 @@ ValueBounds value_bounds(const BoundsContext& c, const Ray& ray, std::uint32_t p
   const double rest = s.det - 3.0 * moved_area;
   const double dw = rest > 0.0 ? std::min(1.0, 4.0 * moved_area / rest + 4.0 * u) : 1.0;
   b.barycentrics = dw;
-  const double dz = std::min(3.0 * dw, 1.0) * s.z_range + 10.0 * u * s.z_max;
+  const double dz = std::min(3.0 * dw, 1.0) * s.z_range + 10.0 * u * s.z_max + kFlush;
   b.t = dz * std::abs(s.inverse_dz) + 4.0 * u * std::abs(t);
-  b.position = std::min(3.0 * dw, 1.0) * longest + 12.0 * u * largest + 2.0 * u * s.reach;
+  b.position = std::min(3.0 * dw, 1.0) * longest + 12.0 * u * largest + 2.0 * u * s.reach + kFlush;
   const double cross = glm::length(glm::cross(e1, e2));
   b.normal = cross > 0.0 ? std::min(2.0, 8.0 * u * l1 * l2 / cross + 4.0 * u) : 2.0;
   return b;
@@ -181,7 +187,7 @@ double lateral_bound(const BoundsContext& c, const Ray& ray, std::uint32_t primi
 
 double lateral_bound_of_scene(const BoundsContext& c, const Ray& ray) {
   const double distance = glm::length(glm::dvec3(ray.origin) - c.ball.center) + c.ball.radius;
-  const double reach = std::min(distance, 4.0 * c.ball.radius);
+  const double reach = std::min(distance, 4.0 * c.ball.radius) + kFlush / u;
   // Triangles: as seen along the ray the extent is at most sqrt(3) times the longest edge and the bound; the term for zeros is at most 2^10 uL.
   const double triangles = 13.0 * u * reach + (0x1p10 + 16.0) * u * 2.0 * c.longest_edge;
   // Spheres: see_sphere with |f| about r.

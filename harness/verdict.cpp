@@ -75,11 +75,11 @@ class Picture {
     return c && is_nearest(*c);
   }
 
-  /// Whether `t` is a sphere's other root than the exact one.
+  /// Whether `t` is a sphere's other root than the exact one, and not the exact one within its bound.
   bool is_other_root(const Crossing& c, double t) const {
     if (judge_.scene->is_triangle(c.primitive) || !c.on_line) return false;
     const double other = c.t == c.t_enter ? c.t_leave : c.t_enter;
-    return std::abs(t - other) < std::abs(t - c.t);
+    return std::abs(t - other) < std::abs(t - c.t) && !(std::abs(t - c.t) <= dt(c));
   }
 
   double dt(const Crossing& c) const { return value_bounds(judge_.bounds, ray_, c.primitive, c.t).t; }
