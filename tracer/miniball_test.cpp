@@ -65,7 +65,7 @@ float fitted_radius(const std::vector<FloatBall>& balls) {
   return enclosing_radius(balls, glm::vec3(smallest_ball_center(balls, {}, support)));
 }
 
-TEST_CASE("the ball around points is as small as the best of all pairs, triples and quadruples") {
+TEST_CASE("the ball around points is as small as the best of all pairs, triples and quadruples", "[tree]") {
   for (int i = 0; i < 400; ++i) {
     Random random(3, name_hash("miniball points"), i);
     std::vector<FloatBall> points(2 + random.below(8));
@@ -83,7 +83,7 @@ TEST_CASE("the ball around points is as small as the best of all pairs, triples 
   }
 }
 
-TEST_CASE("the ball around balls is the smallest") {
+TEST_CASE("the ball around balls is the smallest", "[tree]") {
   for (int i = 0; i < 12; ++i) {
     Random random(4, name_hash("miniball balls"), i);
     std::vector<FloatBall> balls(2 + random.below(5));
@@ -98,7 +98,7 @@ TEST_CASE("the ball around balls is the smallest") {
   }
 }
 
-TEST_CASE("the ball around many points is no larger than that around the few which hold it in place") {
+TEST_CASE("the ball around many points is no larger than that around the few which hold it in place", "[tree]") {
   for (int i = 0; i < 300; ++i) {
     Random random(7, name_hash("miniball many"), i);
     std::vector<FloatBall> points(50 + random.below(500)), holding;
@@ -112,7 +112,7 @@ TEST_CASE("the ball around many points is no larger than that around the few whi
   }
 }
 
-TEST_CASE("where the walk starts does not matter, and it ends on what holds the ball in place") {
+TEST_CASE("where the walk starts does not matter, and it ends on what holds the ball in place", "[tree]") {
   Random random(5, name_hash("miniball start"), 0);
   std::vector<FloatBall> balls(500);
   for (FloatBall& ball : balls) {
@@ -144,7 +144,7 @@ bool holds_point(const glm::vec3& center, float radius, const glm::vec3& p) {
   return exact_sign(terms) <= 0;
 }
 
-TEST_CASE("the radius holds every point exactly and is at most one float too large") {
+TEST_CASE("the radius holds every point exactly and is at most one float too large", "[tree]") {
   for (int i = 0; i < 2000; ++i) {
     Random random(6, name_hash("enclosing radius"), i);
     const double scale = std::ldexp(1.0, static_cast<int>(random.below(230)) - 115);
@@ -163,7 +163,7 @@ TEST_CASE("the radius holds every point exactly and is at most one float too lar
   }
 }
 
-TEST_CASE("a single sphere is its own ball, bit for bit") {
+TEST_CASE("a single sphere is its own ball, bit for bit", "[tree]") {
   const std::vector<FloatBall> one{{glm::vec3(0.1f, -7.3f, 1e6f), 0.3f}};
   BallSupport support;
   const glm::vec3 center(smallest_ball_center(one, {}, support));

@@ -146,7 +146,7 @@ void check_parts_cover(const Scene& scene, const SphereTree& tree) {
   REQUIRE(lost == 0);
 }
 
-TEST_CASE("a sphere tree holds every primitive exactly, in leaves and nodes of the size asked for") {
+TEST_CASE("a sphere tree holds every primitive exactly, in leaves and nodes of the size asked for", "[tree]") {
   const Scene scene = random_scene(1, 1200, 500);
   for (const int leaf_size : {1, 2, 4, 8})
     for (const int width : {0, 2, 3, 100}) {
@@ -157,7 +157,7 @@ TEST_CASE("a sphere tree holds every primitive exactly, in leaves and nodes of t
     }
 }
 
-TEST_CASE("nasty scenes end in trees that hold everything and are not deep") {
+TEST_CASE("nasty scenes end in trees that hold everything and are not deep", "[tree]") {
   for (const Scene& scene : nasty_scenes()) {
     INFO(scene.name);
     const SphereTree tree = build_sphere_tree(scene, with(2, 2, 0.0f));
@@ -169,7 +169,7 @@ TEST_CASE("nasty scenes end in trees that hold everything and are not deep") {
   }
 }
 
-TEST_CASE("a thousand identical primitives are halved, not peeled off") {
+TEST_CASE("a thousand identical primitives are halved, not peeled off", "[tree]") {
   for (const Scene& scene : nasty_scenes())
     if (scene.name == "identical triangles") {
       // 3000 references: 12 halvings, and the root
@@ -177,7 +177,7 @@ TEST_CASE("a thousand identical primitives are halved, not peeled off") {
     }
 }
 
-TEST_CASE("the parts of split triangles cover them, and are told apart from nothing split") {
+TEST_CASE("the parts of split triangles cover them, and are told apart from nothing split", "[tree]") {
   Scene scene = random_scene(2, 400, 100);
   Random random(2, name_hash("long ones"), 0);
   for (int i = 0; i < 60; ++i) add_triangle(scene, cube_point(random), cube_point(random), cube_point(random));
@@ -190,7 +190,7 @@ TEST_CASE("the parts of split triangles cover them, and are told apart from noth
   }
 }
 
-TEST_CASE("the best split_long is the cheapest of its trials, and is told") {
+TEST_CASE("the best split_long is the cheapest of its trials, and is told", "[tree]") {
   Scene diagonals;  // long thin triangles across the cube: splitting pays
   Random random(3, name_hash("diagonals"), 0);
   for (int i = 0; i < 200; ++i) {
@@ -206,7 +206,7 @@ TEST_CASE("the best split_long is the cheapest of its trials, and is told") {
   REQUIRE(build_sphere_tree(crumbs).options.split_long == 0.0f);
 }
 
-TEST_CASE("the tree is the same, bit for bit, on any number of threads") {
+TEST_CASE("the tree is the same, bit for bit, on any number of threads", "[tree]") {
   Scene scene = random_scene(5, 3000, 500, 0.02f);
   Random random(5, name_hash("long ones"), 0);
   for (int i = 0; i < 50; ++i) add_triangle(scene, cube_point(random), cube_point(random), cube_point(random));
@@ -225,7 +225,7 @@ TEST_CASE("the tree is the same, bit for bit, on any number of threads") {
   }
 }
 
-TEST_CASE("an empty scene, or one of which nothing can be hit, has an empty tree") {
+TEST_CASE("an empty scene, or one of which nothing can be hit, has an empty tree", "[tree]") {
   REQUIRE(build_sphere_tree(Scene{}).nodes.empty());
   Scene scene;
   add_triangle(scene, glm::vec3(0.0f), glm::vec3(1.0f), glm::vec3(3.0f));  // on a line
@@ -239,7 +239,7 @@ TEST_CASE("an empty scene, or one of which nothing can be hit, has an empty tree
   }
 }
 
-TEST_CASE("what cannot be built is refused") {
+TEST_CASE("what cannot be built is refused", "[tree]") {
   const Scene good = random_scene(6, 10, 10);
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   for (const TreeOptions& options :
@@ -259,7 +259,7 @@ TEST_CASE("what cannot be built is refused") {
   REQUIRE_THROWS_AS(build_sphere_tree(bad), InputError);
 }
 
-TEST_CASE("the expected cost is counted from the radii") {
+TEST_CASE("the expected cost is counted from the radii", "[tree]") {
   SphereTree tree;
   tree.nodes.resize(4);
   tree.nodes[0].radius = 2.0f, tree.nodes[0].first_child = 1, tree.nodes[0].child_count = 3;
@@ -274,7 +274,7 @@ TEST_CASE("the expected cost is counted from the radii") {
   REQUIRE(stats.leaf_sizes == std::vector<std::size_t>{0, 1, 1, 1});
 }
 
-TEST_CASE("the time to build grows little faster than the scene") {
+TEST_CASE("the time to build grows little faster than the scene", "[tree]") {
   const auto seconds = [](std::uint32_t triangles) {  // of processor time, all threads: other programs do not count
     const Scene scene = random_scene(7, triangles, 0, 0.5f / std::cbrt(static_cast<float>(triangles)));
     const std::clock_t start = std::clock();

@@ -12,7 +12,7 @@ namespace {
 
 __extension__ typedef __int128 Wide;
 
-TEST_CASE("sums are rounded outwards to float, and exact sums not at all") {
+TEST_CASE("sums are rounded outwards to float, and exact sums not at all", "[tree]") {
   REQUIRE(sum_up(1.0, 2.0) == 3.0f);
   REQUIRE(sum_down(1.0, 2.0) == 3.0f);
   REQUIRE(sum_up(1.0, -1.0) == 0.0f);
@@ -27,7 +27,7 @@ TEST_CASE("sums are rounded outwards to float, and exact sums not at all") {
   REQUIRE(std::isinf(sum_up(3.4028234663852886e38, 1e30)));
 }
 
-TEST_CASE("the sign of a sum is exact where double gives zero or the wrong sign") {
+TEST_CASE("the sign of a sum is exact where double gives zero or the wrong sign", "[tree]") {
   REQUIRE(exact_sign({}) == 0);
   const std::array<double, 3> cancels{1e200, 1.0, -1e200};
   REQUIRE((cancels[0] + cancels[1]) + cancels[2] == 0.0);

@@ -80,7 +80,7 @@ double least_cost(const Binary& binary, std::uint32_t at, double above, int leaf
   return best;
 }
 
-TEST_CASE("the dynamic programming finds the cheapest tree there is") {
+TEST_CASE("the dynamic programming finds the cheapest tree there is", "[tree]") {
   int dropped = 0;
   for (int i = 0; i < 60; ++i) {
     const bool split = i % 3 == 0;
@@ -100,7 +100,7 @@ TEST_CASE("the dynamic programming finds the cheapest tree there is") {
   REQUIRE(dropped > 20);  // else the scenes ask nothing
 }
 
-TEST_CASE("more freedom never costs more: wider nodes, larger leaves") {
+TEST_CASE("more freedom never costs more: wider nodes, larger leaves", "[tree]") {
   const Binary binary = binary_tree(random_scene(8, 3000, 1000));
   const auto cost = [&](int leaf_size, int width) {
     TreeOptions options;
@@ -122,7 +122,7 @@ TEST_CASE("more freedom never costs more: wider nodes, larger leaves") {
   REQUIRE(cost(8, 0) <= cost(4, 0));
 }
 
-TEST_CASE("splits and reinsertion order the references and keep them all") {
+TEST_CASE("splits and reinsertion order the references and keep them all", "[tree]") {
   for (const Scene& scene : nasty_scenes()) {
     INFO(scene.name);
     Binary binary;
@@ -140,7 +140,7 @@ TEST_CASE("splits and reinsertion order the references and keep them all") {
   }
 }
 
-TEST_CASE("reinsertion mends what greedy splits get wrong") {
+TEST_CASE("reinsertion mends what greedy splits get wrong", "[tree]") {
   // A row of spheres, each with a cluster of small ones around it: a binary split cuts through clusters.
   Scene scene;
   Random random(9, name_hash("clusters"), 0);
@@ -157,7 +157,7 @@ TEST_CASE("reinsertion mends what greedy splits get wrong") {
   REQUIRE(sum_of_diagonals(binary.nodes) < 0.97 * cost);
 }
 
-TEST_CASE("a fitted ball is no larger than the ball around the node's box") {
+TEST_CASE("a fitted ball is no larger than the ball around the node's box", "[tree]") {
   const Binary binary = binary_tree(random_scene(10, 2000, 500));
   double fitted = 0.0, boxed = 0.0;
   for (const BinaryNode& node : binary.nodes) {
@@ -169,7 +169,7 @@ TEST_CASE("a fitted ball is no larger than the ball around the node's box") {
   REQUIRE(fitted < 0.8 * boxed);  // the design: fitted balls save 20 to 45 % of the steps
 }
 
-TEST_CASE("a triangle without area is told exactly") {
+TEST_CASE("a triangle without area is told exactly", "[tree]") {
   Random random(11, name_hash("no area"), 0);
   for (int i = 0; i < 1000; ++i) {
     // Integer corners on a line, exact in float; one corner moved by one unit in the last place leaves the line.
@@ -189,7 +189,7 @@ TEST_CASE("a triangle without area is told exactly") {
   REQUIRE_FALSE(has_no_area(glm::vec3(0.0f), glm::vec3(tiny, 0.0f, 0.0f), glm::vec3(0.0f, tiny, 0.0f)));
 }
 
-TEST_CASE("cutting makes parts no longer than asked, each with a box that is smaller than the whole") {
+TEST_CASE("cutting makes parts no longer than asked, each with a box that is smaller than the whole", "[tree]") {
   Scene scene;
   add_triangle(scene, {0, 0, 0}, {10, 9, 8}, {10, 9, 8.1f});
   scene.spheres.push_back({glm::vec3(5.0f), 0.1f, 0});
