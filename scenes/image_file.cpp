@@ -23,7 +23,7 @@ std::string one_line(std::string text) {
 }
 
 /// Writes through a file beside the target that then takes its name, so that nobody sees half a file.
-void write_whole(const std::filesystem::path& path, const OIIO::ImageSpec& spec, OIIO::TypeDesc type,
+void write_whole(const std::filesystem::path& path, const OIIO::ImageSpec& spec, const OIIO::TypeDesc& type,
                  const void* pixels) {
   const std::string name = path.string();
   // The ending chooses the format, so the temporary name keeps it.

@@ -16,7 +16,7 @@ namespace {
 
 struct Format {
   std::string_view ending;
-  Scene (*read)(const std::filesystem::path&, std::string text);
+  Scene (*read)(const std::filesystem::path&, std::string&& text);
 };
 constexpr std::array<Format, 2> kFormats = {{{".nff", read_nff}, {".obj", read_obj}}};
 

@@ -10,7 +10,7 @@
 
 namespace plumbline {
 
-Scene read_nff(const std::filesystem::path& path, std::string text);
-Scene read_obj(const std::filesystem::path& path, std::string text);
+Scene read_nff(const std::filesystem::path& path, std::string&& text);
+Scene read_obj(const std::filesystem::path& path, std::string&& text);
 
 }  // namespace plumbline

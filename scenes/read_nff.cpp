@@ -301,6 +301,6 @@ class NffReader {
 
 }  // namespace
 
-Scene read_nff(const std::filesystem::path& path, std::string text) { return NffReader(path, text).read(); }
+Scene read_nff(const std::filesystem::path& path, std::string&& text) { return NffReader(path, text).read(); }
 
 }  // namespace plumbline

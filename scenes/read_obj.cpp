@@ -179,7 +179,7 @@ ObjBuilder& builder(void* user) { return *static_cast<ObjBuilder*>(user); }
 
 }  // namespace
 
-Scene read_obj(const std::filesystem::path& path, std::string text) {
+Scene read_obj(const std::filesystem::path& path, std::string&& text) {
   const std::string file = path.string();
   Scene scene;
   const std::vector<TextLine> lines = split_lines(text, true);

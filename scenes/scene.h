@@ -79,8 +79,8 @@ struct SourceCounts {
 struct Scene {
   std::string name;  ///< short, for case names: the file's stem or the generator's name
   std::vector<glm::vec3> positions;
-  std::vector<glm::vec3> normals;  ///< as in the file: not always of unit length
-  std::vector<glm::vec2> texcoords;
+  std::vector<glm::vec3> normals;    ///< as in the file: not always of unit length
+  std::vector<glm::vec2> texcoords;  ///< as in the file: (0, 0) is the bottom left corner of a texture, v goes up
   std::vector<Triangle> triangles;
   std::vector<Sphere> spheres;
   std::vector<Material> materials;  ///< at least one where there are primitives

@@ -65,8 +65,8 @@ bool Topology::share_an_edge(std::uint32_t a, std::uint32_t b) const {
 
 namespace {
 
-/// Goes over each closed component from its first triangle, across edges. Two triangles face the same way where they run along their shared edge in
-/// opposite directions.
+/// Goes over each closed component from its first triangle, across edges. Two triangles face the same way where they
+/// run along their shared edge in opposite directions.
 void orient(Topology& topology) {
   const auto triangle_count = static_cast<std::uint32_t>(topology.component.size());
   topology.component_orientable = topology.component_closed;

@@ -23,10 +23,11 @@ struct Topology {
   std::vector<std::uint32_t> edge_sides;  ///< sides, edge by edge, ascending
 
   std::uint32_t component_count = 0;
-  std::vector<std::uint32_t> component;        ///< of each triangle; a component hangs together by edges
-  std::vector<std::uint8_t> component_closed;  ///< 1 where every edge of the component has exactly two sides
+  std::vector<std::uint32_t> component;            ///< of each triangle; a component hangs together by edges
+  std::vector<std::uint8_t> component_closed;      ///< 1 where every edge of the component has exactly two sides
   std::vector<std::uint8_t> component_orientable;  ///< 1 where closed, and its triangles can be turned to face one way
-  std::vector<std::uint8_t> turned;  ///< 1 where a triangle of an orientable component faces the other way than its first
+  std::vector<std::uint8_t>
+      turned;  ///< 1 where a triangle of an orientable component faces the other way than its first
 
   /// The sides that share the edge of side 3 * t + i, itself among them: one on a border, two inside a surface, more
   /// where surfaces meet. Empty for an edge without length.

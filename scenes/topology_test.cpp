@@ -114,9 +114,18 @@ TEST_CASE("A closed surface with one side only cannot be oriented") {
   // The real projective plane with six corners: the hemi-icosahedron.
   Scene scene;
   scene.materials.emplace_back();
-  for (int i = 0; i < 6; ++i) scene.positions.emplace_back(static_cast<float>(i), static_cast<float>(i * i), static_cast<float>(i * i * i));
-  for (const std::array<std::uint32_t, 3> f :
-       {std::array<std::uint32_t, 3>{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 5}, {0, 5, 1}, {1, 2, 4}, {2, 3, 5}, {3, 4, 1}, {4, 5, 2}, {5, 1, 3}})
+  for (int i = 0; i < 6; ++i)
+    scene.positions.emplace_back(static_cast<float>(i), static_cast<float>(i * i), static_cast<float>(i * i * i));
+  for (const std::array<std::uint32_t, 3> f : {std::array<std::uint32_t, 3>{0, 1, 2},
+                                               {0, 2, 3},
+                                               {0, 3, 4},
+                                               {0, 4, 5},
+                                               {0, 5, 1},
+                                               {1, 2, 4},
+                                               {2, 3, 5},
+                                               {3, 4, 1},
+                                               {4, 5, 2},
+                                               {5, 1, 3}})
     scene.triangles.push_back({f});
   const Topology topology = make_topology(scene);
   CHECK(topology.component_closed == std::vector<std::uint8_t>{1});

@@ -62,6 +62,7 @@ struct Job {
 };
 
 // GLU hands back pointers; an index plus one travels in each, so that a null pointer still means "none".
+// NOLINTNEXTLINE(performance-no-int-to-ptr): nothing is ever read through them.
 void* to_pointer(std::uint32_t index) { return reinterpret_cast<void*>(static_cast<std::uintptr_t>(index) + 1); }
 std::uint32_t to_index(void* pointer) {
   return static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(pointer) - 1);
