@@ -7,8 +7,7 @@
 #include <array>
 #include <bit>
 #include <chrono>
-#include <map>
-#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "scenes/error.h"
@@ -63,18 +62,20 @@ Hit unpack(const Words& a, const Words& b, const Words& c) {
 
 struct Probe::Impl {
   using Clock = std::chrono::steady_clock;
-  using ProgramKey = std::tuple<Layout, Bounds, bool, bool>;
 
   GlContext* context;
   Traversal traversal;
   std::vector<ShaderPatch> patches;
-  std::map<ProgramKey, GlProgram> programs;
-  const GlProgram* program = nullptr;
+  std::vector<std::pair<ProgramVariant, GlProgram>> programs;
   GlTexture geometry, rays, state;
   std::array<GlTexture, kTargets> targets;
   GlFramebuffer framebuffer;
+  // Of the image: what its programs are, how many primitives it has, and the constants of pass_constants.glsl.
+  std::array<ProgramVariant, 2> variants;  // of the first pass, of the passes after it
   std::uint32_t primitive_count = 0;
-  glm::ivec4 range{0};  // pass_range of pass_constants.glsl
+  glm::vec4 ball{0.0f}, factor{0.0f};
+  glm::ivec4 shape{0}, walk{0};
+  int scale_exponent = 0;
   double seconds = 0.0;
   int resumed = 0;
 
@@ -93,6 +94,16 @@ struct Probe::Impl {
     for (auto& result : results) result.resize(kBatch);
   }
 
+  /// The program of a variant, compiled when it is first asked for.
+  const GlProgram& program(const ProgramVariant& variant) {
+    for (const auto& [known, compiled] : programs) {
+      if (known == variant) return compiled;
+    }
+    GlProgram compiled(*context,
+                       link_program(*context, probe_vertex_shader(), probe_fragment_shader(variant, patches)));
+    return programs.emplace_back(variant, std::move(compiled)).second;
+  }
+
   void set_image(const GeometryImage& image) {
     if (std::max(image.width, image.height) > context->max_texture_size()) {
       throw InputError("the geometry image of " + image.scene_name + " is " + std::to_string(image.width) + " x " +
@@ -100,38 +111,23 @@ struct Probe::Impl {
                        context->renderer() + ") end at " + std::to_string(context->max_texture_size()) +
                        "; bake with links `threaded` or a smaller scene");
     }
-    const ProgramVariant variant = program_variant(image, traversal == Traversal::brute_force);
-    const ProgramKey key{variant.layout, variant.bounds, variant.has_triangles, variant.has_spheres};
-    auto [entry, is_new] = programs.try_emplace(key);
-    if (is_new) {
-      try {
-        entry->second =
-            GlProgram(*context, link_program(*context, probe_vertex_shader(), probe_fragment_shader(variant, patches)));
-      } catch (...) {
-        programs.erase(entry);
-        throw;
-      }
+    for (const bool resolves : {false, true}) {
+      variants[resolves] = program_variant(image, traversal == Traversal::brute_force, resolves);
     }
-    program = &entry->second;
+    program(variants[0]);
     geometry = {};  // the old image goes first: two large ones need not fit
-    geometry = variant.layout == Layout::compact
+    geometry = image.options.layout == Layout::compact
                    ? GlTexture::linear(*context, image.texels)
                    : GlTexture(*context, GL_RGBA32F, GL_RGBA, GL_FLOAT, image.width, image.height, image.texels.data());
-    primitive_count = image.primitive_count;
-    range = {image.scale_exponent, 0, 0, 0};
-
     const auto integer = [](std::uint32_t value) { return static_cast<int>(value); };
-    program->use();
-    program->set("u_geometry", kGeometryUnit);
-    program->set("u_rays", kRayUnit);
-    program->set("u_state", kStateUnit);
-    program->set("u_ball", glm::vec4(image.center, image.radius));
-    program->set("u_factor", glm::vec4(1.0f, 1.0f / static_cast<float>(image.width),
-                                       1.0f / static_cast<float>(image.height), 0.0f));
-    program->set("u_image", glm::ivec4(image.width - 1, std::countr_zero(static_cast<unsigned>(image.width)),
-                                       integer(image.primitive_start), integer(image.primitive_count)));
-    program->set("u_walk", glm::ivec4(integer(image.copy_size), image.copy_count == 8 ? 7 : 0,
-                                      (1 << image.payload_bits) - 1, integer(image.cell_count)));
+    primitive_count = image.primitive_count;
+    scale_exponent = image.scale_exponent;
+    ball = glm::vec4(image.center, image.radius);
+    factor = glm::vec4(1.0f, 1.0f / static_cast<float>(image.width), 1.0f / static_cast<float>(image.height), 0.0f);
+    shape = {image.width - 1, std::countr_zero(static_cast<unsigned>(image.width)), integer(image.primitive_start),
+             integer(image.primitive_count)};
+    walk = {integer(image.copy_size), image.copy_count == 8 ? 7 : 0, (1 << image.payload_bits) - 1,
+            integer(image.cell_count)};
   }
 
   /// Uploads `count` rays from ray_texels; what remains of the last row becomes rays without direction, which end at
@@ -156,16 +152,24 @@ struct Probe::Impl {
   }
 
   void draw(std::size_t count, bool resume, std::uint32_t range_end) {
+    const GlProgram& pass = program(variants[resume]);
     const GlFunctions& gl = context->use();
     geometry.bind(kGeometryUnit);
     rays.bind(kRayUnit);
     if (state) state.bind(kStateUnit);
-    program->use();
-    program->set("u_range", glm::ivec4(range.x, resume ? 1 : 0, static_cast<int>(range_end), 0));
+    pass.use();
+    pass.set("u_geometry", kGeometryUnit);
+    pass.set("u_rays", kRayUnit);
+    pass.set("u_state", kStateUnit);
+    pass.set("u_ball", ball);
+    pass.set("u_factor", factor);
+    pass.set("u_image", shape);
+    pass.set("u_walk", walk);
+    pass.set("u_range", glm::ivec4(scale_exponent, resume ? 1 : 0, static_cast<int>(range_end), 0));
     gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
     gl.Disable(GL_DITHER);
     const auto start = Clock::now();
-    program->draw(kBatchWidth, rows_for(count));
+    pass.draw(kBatchWidth, rows_for(count));
     gl.Finish();
     seconds += std::chrono::duration<double>(Clock::now() - start).count();
     for (int i = 0; i < kTargets; ++i) {

@@ -39,7 +39,8 @@ TEST_CASE("every variant compiles, in GLSL 3.30 and in GLSL ES 3.00", "[shader]"
       for (const bool brute_force : {false, true}) {
         for (const Bounds bounds : {Bounds::sphere, Bounds::aabb}) {
           for (const int kinds : {1, 2, 3}) {
-            const ProgramVariant variant{layout, bounds, (kinds & 1) != 0, (kinds & 2) != 0, brute_force};
+            const ProgramVariant variant{layout,           bounds,      (kinds & 1) != 0,
+                                         (kinds & 2) != 0, brute_force, brute_force != (kinds == 3)};
             INFO("layout " << name_of(layout) << ", bounds " << name_of(bounds) << ", kinds " << kinds
                            << ", brute force " << brute_force);
             REQUIRE_NOTHROW(GlProgram(context, link_program(context, probe_vertex_shader(dialect),
@@ -55,7 +56,8 @@ TEST_CASE("a compile error names our file and line", "[shader]") {
   GlContext context;
   const std::array<ShaderPatch, 1> patches{
       ShaderPatch{"triangle.glsl", "float inverse = 1.0 / det;", "float inverse = 1.0 / no_such_name;"}};
-  const ShaderText shader = probe_fragment_shader({Layout::compact, Bounds::sphere, true, false, false}, patches);
+  const ShaderText shader =
+      probe_fragment_shader({Layout::compact, Bounds::sphere, true, false, false, false}, patches);
   const std::string place =
       "tracer/shaders/triangle.glsl:" + line_of("triangle.glsl", "float inverse = 1.0 / det;") + ":";
   CHECK_THROWS_AS(link_program(context, probe_vertex_shader(), shader), EnvironmentError);
@@ -72,7 +74,7 @@ TEST_CASE("messages of several drivers are understood", "[shader]") {
 }
 
 TEST_CASE("a patch must fit exactly once", "[shader]") {
-  const ProgramVariant variant{Layout::compact, Bounds::sphere, true, true, false};
+  const ProgramVariant variant{Layout::compact, Bounds::sphere, true, true, false, false};
   const auto composed = [&](ShaderPatch patch) {
     const std::array<ShaderPatch, 1> patches{std::move(patch)};
     return probe_fragment_shader(variant, patches).text;

@@ -57,6 +57,7 @@ float test_primitive(int address) {
   return p0.w;
 }
 
+#ifdef RESOLVE_EDGE_ON
 // A triangle seen edge-on costs several times an ordinary one and is rare, but this driver runs both sides of every `if`: so the walk stops at
 // it, it is settled here, outside of the walking loops, and the walk goes on behind it.
 void resolve_pending() {
@@ -65,6 +66,7 @@ void resolve_pending() {
   vec4 p0 = primitive_0(address);
   TriangleHit triangle = resolve_edge_on(p0.xyz, primitive_1(address).xyz, primitive_2(address).xyz);
   offer(triangle.inside && nearest.pending >= 0, triangle.t, abs(p0.w), address, triangle.weights);
-  nearest.pending = -1;
 #endif
+  nearest.pending = -1;
 }
+#endif

@@ -25,6 +25,7 @@ void start_or_resume(ivec2 pixel) {
     uvec4 s0 = texelFetch(u_state, at, 0);
     uvec4 s1 = texelFetch(u_state, at + ivec2(1, 0), 0);
     uvec4 s2 = texelFetch(u_state, at + ivec2(2, 0), 0);
+    nearest.pending = int(s0.x >> 3) - 1;
     nearest.t = uintBitsToFloat(s0.y);
     walk.steps = int(s0.z);
     nearest.tests = int(s0.w);
@@ -39,7 +40,7 @@ void start_or_resume(ivec2 pixel) {
 }
 
 void write_unfinished() {
-  out_0 = uvec4(KIND_UNFINISHED, floatBitsToUint(nearest.t), walk.steps, nearest.tests);
+  out_0 = uvec4(KIND_UNFINISHED + 8u * uint(nearest.pending + 1), floatBitsToUint(nearest.t), walk.steps, nearest.tests);
   out_1 = uvec4(walk.at, walk.cluster_at, walk.cluster_next);
   out_2 = uvec4(floatBitsToUint(nearest.label), floatBitsToUint(nearest.weights), nearest.address);
 }
@@ -81,13 +82,18 @@ void main() {
   prepare_ray(origin_and_end.xyz, direction.xyz, origin_and_end.w);
   start_or_resume(pixel);
 
-  bool was_pending = !walk.ended;
-  while (was_pending) {
-    walk_tree();
-    was_pending = nearest.pending >= 0;
+#ifdef RESOLVE_EDGE_ON
+  bool is_walking = !walk.ended;
+  while (is_walking) {
     resolve_pending();
+    walk_tree();
+    is_walking = nearest.pending >= 0;
   }
-  bool unfinished = !walk.ended && walk.steps < pass_walk.w;
+#else
+  if (!walk.ended) walk_tree();
+#endif
+  // A ray that waits for a triangle seen edge-on, or whose loops the driver has ended, goes on in another pass, with RESOLVE_EDGE_ON.
+  bool unfinished = nearest.pending >= 0 || (!walk.ended && walk.steps < pass_walk.w);
   write_result(origin_and_end.w);
   if (unfinished) write_unfinished();
 }

@@ -26,9 +26,9 @@ vec3 permute(vec3 v) { return ray.axis == 0 ? v.yzx : ray.axis == 1 ? v.zxy : v.
 bool is_finite(ivec3 magnitude) { return max(max(magnitude.x, magnitude.y), magnitude.z) < 0x7f800000; }
 
 // Moves the origin of a far ray along it to two scene radii before the point next to the scene's centre. In floats alone o + t d would
-// be off by |o| 2^-24, so origin and shift are carried as unevaluated sums (high + low) of some 48 bits, and each step leaves 2^-21 of
-// the distance before it: two or three steps do for rays that floats can aim at the scene, eight for any along an axis. Everything is
-// scaled by 2^-8 that nothing overflows. Rays that are near take no step.
+// be off by |o| 2^-24, so origin and shift are carried as unevaluated sums (high + low) of some 48 bits. Where the step ends matters little, and
+// it misses its aim by 2^-21 of its length: one does for origins within 10^5 radii, eight for any. Everything is scaled by 2^-8
+// that nothing overflows. Rays that are near take no step.
 void approach_scene(bool is_far) {
   vec3 high = ray.o * SHIFT_UNIT, low = vec3(0.0);
   vec3 center = pass_ball.xyz * SHIFT_UNIT;
@@ -47,7 +47,7 @@ void approach_scene(bool is_far) {
     float z = opaque(t_sum - shift_high);
     shift_low = shift_low + ((shift_high - opaque(t_sum - z)) + (advance - z));
     shift_high = t_sum;
-    is_moving = abs(advance) > 0.125 * back;
+    is_moving = abs(advance) > 65536.0 * back;
   }
   if (is_far) {
     ray.o = (high + low) * (1.0 / SHIFT_UNIT);
