@@ -280,6 +280,7 @@ std::vector<std::uint32_t> Arbiter::nearest(const Ray& ray) const {
     }
   });
   std::vector<std::uint32_t> primitives;
+  primitives.reserve(best.size());
   for (const Meeting& m : best) primitives.push_back(m.item->primitive);
   std::sort(primitives.begin(), primitives.end());
   impl_->exact_decisions.fetch_add(filter.exact_decisions(), std::memory_order_relaxed);
