@@ -14,12 +14,14 @@
 // the only free quantity, elsewhere |det| <= 2|e|L gives |e| >= 2^-9 L. Hence, perpendicular distances being no longer than sheared ones,
 //     lateral = delta + 2uL^2 / max(|e|, 2^-9 L) + 16uL      (the last term: slivers of |det| < 8uL^2 are taken for their longest edge)
 //
-// Weights. w_i = U_i / det. Displacement changes U_i by at most delta P + delta^2 (P the perimeter as seen along the ray: the ray passes within
-// the triangle, so a corner is no further than P/2 from it), rounding by 3uL^2. With E = delta P + delta^2 + 3uL^2 and det the sum of the three,
-//     dw = 4E / (|det| - 3E) + 4u, and at most 1, since computed and exact weights both lie in [0, 1].
-// t = (sum w_i z_i) / d.z. The errors of the weights add up to a few u, so z may be measured from any z of the triangle:
-//     dz = 3 dw (zmax - zmin) + 10u max|z|, and at most zmax - zmin + 10u max|z|;  dt = dz / |d.z| + 4u|t|
-// position = sum w_i v_i:   3 dw (longest edge), at most the longest edge, + 6u max|v| sqrt(3), + 2u M for the origin's rounding.
+// Weights. The computed weights are, but for rounding, those of the ray in the displaced triangle: 0 = sum w~_i (V_i + eps_i), so sum w~_i V_i = -eps
+// with |eps| <= delta, a convex combination. They are thus the exact weights of a point at most delta beside the ray, and weight i falls from 1 to 0
+// over the height h_i = |det| / |e_i| above the opposite edge:  |w~_i - w_i| <= delta / h_i, exactly. Rounding of the edge functions adds
+//     rho = min(4uL^2 / |det|, 2^11 u) + 6u
+// (an edge function is off by at most uL^2 + u|U|; below |det| = 2^-8 L^2 the tracer's products are exact). All of it at most 1: weights lie in [0, 1].
+// t = (sum w_i z_i) / d.z, the z of corner 0 taken as origin:
+//     dz = (delta/h_1 + rho)|z_1 - z_0| + (delta/h_2 + rho)|z_2 - z_0| + 10u max|z|, and at most the range of z + 10u max|z|;  dt = dz / |d.z| + 4u|t|
+// position = sum w_i v_i likewise, with |v_1 - v_0|, |v_2 - v_0|, at most the longest edge, + 12u max|v|, + 2uM for the origin's rounding.
 // normal = normalise(e1 x e2), corners as given: each component of the cross product has an error of at most 4u|e1||e2|:
 //     dn = 8u |e1||e2| / |e1 x e2| + 4u, at most 2.
 //
@@ -60,7 +62,7 @@ struct Seen {
   double inverse_dz = 0.0;   ///< 1 / largest component of d
   double reach = 0.0;        ///< M: largest distance of a corner from the (moved) origin
   double extent = 0.0;       ///< L
-  double perimeter = 0.0;    ///< P
+  std::array<double, 3> opposite{};  ///< length of the edge opposite to each corner, as seen
   double shortest = 0.0;     ///< shortest edge as seen
   double det = 0.0;          ///< |U + V + W|
   double z_range = 0.0, z_max = 0.0;
@@ -96,7 +98,7 @@ Seen see(const BoundsContext& c, const Ray& ray, std::uint32_t primitive) {
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3;
     const double e = std::hypot(s.x[j] - s.x[i], s.y[j] - s.y[i]);
-    s.perimeter += e;
+    s.opposite[(i + 2) % 3] = e;
     s.shortest = std::min(s.shortest, e);
   }
   s.det = std::abs((s.x[1] - s.x[0]) * (s.y[2] - s.y[0]) - (s.y[1] - s.y[0]) * (s.x[2] - s.x[0]));
@@ -167,13 +169,13 @@ ValueBounds value_bounds(const BoundsContext& c, const Ray& ray, std::uint32_t p
   const double l1 = glm::length(e1), l2 = glm::length(e2), l3 = glm::length(e2 - e1);
   const double longest = std::max({l1, l2, l3});
   const double largest = std::max({glm::length(glm::dvec3(v[0])), glm::length(glm::dvec3(v[1])), glm::length(glm::dvec3(v[2]))});
-  const double moved_area = s.delta * s.perimeter + s.delta * s.delta + 3.0 * u * s.extent * s.extent + kUnderflow * c.ball.radius * c.ball.radius;
-  const double rest = s.det - 3.0 * moved_area;
-  const double dw = rest > 0.0 ? std::min(1.0, 4.0 * moved_area / rest + 4.0 * u) : 1.0;
-  b.barycentrics = dw;
-  const double dz = std::min(3.0 * dw, 1.0) * s.z_range + 10.0 * u * s.z_max + kFlush;
+  const double rho = std::min(4.0 * u * s.extent * s.extent / s.det, 0x1p11 * u) + 6.0 * u + kUnderflow * c.ball.radius * c.ball.radius / s.det;
+  const auto weight = [&](int i) { return std::min(1.0, s.delta * s.opposite[i] / s.det + rho); };  // det may be 0: then 1
+  const double w0 = weight(0), w1 = weight(1), w2 = weight(2);
+  b.barycentrics = std::max({w0, w1, w2});
+  const double dz = std::min(w1 * std::abs(s.z[1] - s.z[0]) + w2 * std::abs(s.z[2] - s.z[0]), s.z_range) + 10.0 * u * s.z_max + kFlush;
   b.t = dz * std::abs(s.inverse_dz) + 4.0 * u * std::abs(t);
-  b.position = std::min(3.0 * dw, 1.0) * longest + 12.0 * u * largest + 2.0 * u * s.reach + kFlush;
+  b.position = std::min(w1 * l1 + w2 * l2, longest) + 12.0 * u * largest + 2.0 * u * s.reach + kFlush;
   const double cross = glm::length(glm::cross(e1, e2));
   b.normal = cross > 0.0 ? std::min(2.0, 8.0 * u * l1 * l2 / cross + 4.0 * u) : 2.0;
   return b;
