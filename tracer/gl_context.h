@@ -16,6 +16,7 @@
   X(BindFramebuffer, PFNGLBINDFRAMEBUFFERPROC)               \
   X(BindTexture, PFNGLBINDTEXTUREPROC)                       \
   X(BindVertexArray, PFNGLBINDVERTEXARRAYPROC)               \
+  X(BufferSubData, PFNGLBUFFERSUBDATAPROC)                   \
   X(BufferData, PFNGLBUFFERDATAPROC)                         \
   X(CheckFramebufferStatus, PFNGLCHECKFRAMEBUFFERSTATUSPROC) \
   X(CompileShader, PFNGLCOMPILESHADERPROC)                   \

@@ -37,6 +37,12 @@ GlTexture GlTexture::linear(GlContext& context, std::span<const glm::vec4> texel
   return texture;
 }
 
+void GlTexture::update(std::span<const glm::vec4> texels) const {
+  const GlFunctions& gl = context_->use();
+  gl.BindBuffer(GL_TEXTURE_BUFFER, buffer_);
+  gl.BufferSubData(GL_TEXTURE_BUFFER, 0, static_cast<GLsizeiptr>(texels.size_bytes()), texels.data());
+}
+
 GlTexture::~GlTexture() {
   if (name_ != 0) context_->use().DeleteTextures(1, &name_);
   if (buffer_ != 0) context_->use().DeleteBuffers(1, &buffer_);

@@ -7,19 +7,18 @@
 #include <array>
 #include <bit>
 #include <chrono>
+#include <cmath>
 #include <utility>
 #include <vector>
 
 #include "scenes/error.h"
 #include "tracer/gl_objects.h"
+#include "tracer/ray_order.h"
 #include "tracer/shader_words.h"
 
 namespace plumbline {
 namespace {
 
-// A batch is a picture of this size. Small enough that rays and results stay in the cache between driver and host,
-// large enough that the driver's threads are busy.
-constexpr int kBatchWidth = 512, kBatchHeight = 512;
 constexpr std::size_t kBatch = std::size_t{kBatchWidth} * kBatchHeight;
 constexpr int kTargets = 3;
 // Primitives per brute-force pass: a quarter of the iterations that the driver's loops are known to survive.
@@ -28,8 +27,6 @@ constexpr std::uint32_t kBruteForceRange = 16384;
 enum Unit { kGeometryUnit = 0, kRayUnit = 1, kStateUnit = 2 };
 
 using Words = glm::uvec4;
-
-int rows_for(std::size_t rays) { return static_cast<int>((rays + kBatchWidth - 1) / kBatchWidth); }
 
 Hit unpack(const Words& a, const Words& b, const Words& c) {
   const auto value = [](std::uint32_t word) { return std::bit_cast<float>(word); };
@@ -76,6 +73,7 @@ struct Probe::Impl {
   glm::vec4 ball{0.0f}, factor{0.0f};
   glm::ivec4 shape{0}, walk{0};
   int scale_exponent = 0;
+  Ball world_ball;
   double seconds = 0.0;
   int resumed = 0;
 
@@ -86,11 +84,11 @@ struct Probe::Impl {
 
   Impl(GlContext& c, Traversal t, std::span<const ShaderPatch> p)
       : context(&c), traversal(t), patches(p.begin(), p.end()) {
-    rays = GlTexture(c, GL_RGBA32F, GL_RGBA, GL_FLOAT, 2 * kBatchWidth, kBatchHeight);
+    ray_texels.resize(2 * kBatch);
+    rays = GlTexture::linear(c, ray_texels);
     for (GlTexture& target : targets)
       target = GlTexture(c, GL_RGBA32UI, GL_RGBA_INTEGER, GL_UNSIGNED_INT, kBatchWidth, kBatchHeight);
     framebuffer = GlFramebuffer(c, targets.data(), kTargets);
-    ray_texels.resize(2 * kBatch);
     for (auto& result : results) result.resize(kBatch);
   }
 
@@ -111,8 +109,8 @@ struct Probe::Impl {
                        context->renderer() + ") end at " + std::to_string(context->max_texture_size()) +
                        "; bake with links `threaded` or a smaller scene");
     }
-    for (const bool resolves : {false, true}) {
-      variants[resolves] = program_variant(image, traversal == Traversal::brute_force, resolves);
+    for (const bool thorough : {false, true}) {
+      variants[thorough] = program_variant(image, traversal == Traversal::brute_force, thorough);
     }
     program(variants[0]);
     geometry = {};  // the old image goes first: two large ones need not fit
@@ -123,6 +121,8 @@ struct Probe::Impl {
     primitive_count = image.primitive_count;
     scale_exponent = image.scale_exponent;
     ball = glm::vec4(image.center, image.radius);
+    const double to_world = std::ldexp(1.0, -image.scale_exponent);
+    world_ball = {glm::dvec3(image.center) * to_world, image.radius * to_world};
     factor = glm::vec4(1.0f, 1.0f / static_cast<float>(image.width), 1.0f / static_cast<float>(image.height), 0.0f);
     shape = {image.width - 1, std::countr_zero(static_cast<unsigned>(image.width)), integer(image.primitive_start),
              integer(image.primitive_count)};
@@ -130,30 +130,32 @@ struct Probe::Impl {
             integer(image.cell_count)};
   }
 
-  /// Uploads `count` rays from ray_texels; what remains of the last row becomes rays without direction, which end at
-  /// once.
-  void upload_rays(std::size_t count) {
-    const GlFunctions& gl = context->use();
-    const int rows = rows_for(count);
-    std::fill(ray_texels.begin() + static_cast<std::ptrdiff_t>(2 * count),
-              ray_texels.begin() + std::ptrdiff_t{2} * kBatchWidth * rows, glm::vec4(0.0f));
-    rays.bind(kRayUnit);
-    gl.TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, 2 * kBatchWidth, rows, GL_RGBA, GL_FLOAT, ray_texels.data());
+  /// Puts a ray at a pixel of the batch.
+  void put_ray(std::size_t pixel, const Ray& ray) {
+    ray_texels[2 * pixel] = glm::vec4(ray.origin, ray.t_max);
+    ray_texels[2 * pixel + 1] = glm::vec4(ray.direction, 0.0f);
+  }
+  /// Pixels that get no ray get one without direction, which ends at once.
+  void clear_rays(int first_row, int end_row) {
+    const std::ptrdiff_t row = 2 * kBatchWidth;
+    std::fill(ray_texels.begin() + row * first_row, ray_texels.begin() + row * end_row, glm::vec4(0.0f));
   }
 
-  void upload_state(std::size_t count) {
+  void upload_state(int rows) {
     const GlFunctions& gl = context->use();
     if (!state)
-      state = GlTexture(*context, GL_RGBA32UI, GL_RGBA_INTEGER, GL_UNSIGNED_INT, 3 * kBatchWidth, kBatchHeight);
-    state_texels.resize(3 * static_cast<std::size_t>(kBatchWidth) * static_cast<std::size_t>(rows_for(count)));
+      state = GlTexture(*context, GL_RGBA32UI, GL_RGBA_INTEGER, GL_UNSIGNED_INT, kTargets * kBatchWidth, kBatchHeight);
+    state_texels.resize(std::size_t{kTargets} * kBatchWidth * static_cast<std::size_t>(rows));
     state.bind(kStateUnit);
-    gl.TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, 3 * kBatchWidth, rows_for(count), GL_RGBA_INTEGER, GL_UNSIGNED_INT,
+    gl.TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, kTargets * kBatchWidth, rows, GL_RGBA_INTEGER, GL_UNSIGNED_INT,
                      state_texels.data());
   }
 
-  void draw(std::size_t count, bool resume, std::uint32_t range_end) {
+  /// One pass over the first rows of the batch: rays from ray_texels, results to `results`.
+  void draw(int rows, bool resume, std::uint32_t range_end) {
     const GlProgram& pass = program(variants[resume]);
     const GlFunctions& gl = context->use();
+    rays.update(std::span(ray_texels).first(std::size_t{2} * kBatchWidth * static_cast<std::size_t>(rows)));
     geometry.bind(kGeometryUnit);
     rays.bind(kRayUnit);
     if (state) state.bind(kStateUnit);
@@ -169,62 +171,61 @@ struct Probe::Impl {
     gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
     gl.Disable(GL_DITHER);
     const auto start = Clock::now();
-    pass.draw(kBatchWidth, rows_for(count));
+    pass.draw(kBatchWidth, rows);
     gl.Finish();
     seconds += std::chrono::duration<double>(Clock::now() - start).count();
     for (int i = 0; i < kTargets; ++i) {
       gl.ReadBuffer(static_cast<GLenum>(GL_COLOR_ATTACHMENT0 + i));
-      gl.ReadPixels(0, 0, kBatchWidth, rows_for(count), GL_RGBA_INTEGER, GL_UNSIGNED_INT,
+      gl.ReadPixels(0, 0, kBatchWidth, rows, GL_RGBA_INTEGER, GL_UNSIGNED_INT,
                     results[static_cast<std::size_t>(i)].data());
     }
     context->check("tracing rays");
   }
 
   void trace_batch(std::span<const Ray> batch, std::span<Hit> hits) {
-    for (std::size_t i = 0; i < batch.size(); ++i) {
-      ray_texels[2 * i] = glm::vec4(batch[i].origin, batch[i].t_max);
-      ray_texels[2 * i + 1] = glm::vec4(batch[i].direction, 0.0f);
-    }
-    upload_rays(batch.size());
-    std::uint32_t range_end =
-        traversal == Traversal::brute_force ? std::min(kBruteForceRange, primitive_count) : primitive_count;
-    draw(batch.size(), false, range_end);
+    const bool is_brute = traversal == Traversal::brute_force;
+    const auto start = Clock::now();
+    const RayPlaces places =
+        place_rays(batch, is_brute ? RayOrder::groups : choose_ray_order(batch, world_ball), world_ball);
+    seconds += std::chrono::duration<double>(Clock::now() - start).count();
+    // No order leaves pixels without a ray in any but the last four rows.
+    clear_rays(std::max(places.rows - 4, 0), places.rows);
+    for (std::size_t i = 0; i < batch.size(); ++i) put_ray(places.pixel[i], batch[i]);
+    std::uint32_t range_end = is_brute ? std::min(kBruteForceRange, primitive_count) : primitive_count;
+    draw(places.rows, false, range_end);
 
-    std::vector<std::uint32_t> open;  // rays of the last pass, by their place in the batch
-    for (std::size_t i = 0; i < batch.size(); ++i) {
-      if ((results[0][i].x & 7u) == kWordUnfinished) {
-        open.push_back(static_cast<std::uint32_t>(i));
-      } else {
-        hits[i] = unpack(results[0][i], results[1][i], results[2][i]);
-      }
-    }
-    if (open.empty()) return;
-    std::vector<std::uint32_t> place(open);  // where each open ray stood in the pass before
+    std::vector<Open> open;
+    for (std::size_t i = 0; i < batch.size(); ++i) take(static_cast<std::uint32_t>(i), places.pixel[i], hits, open);
     while (!open.empty()) {
       ++resumed;
+      // In the order of their pixels, so that rays that walked together go on together.
+      std::sort(open.begin(), open.end(), [](const Open& a, const Open& b) { return a.pixel < b.pixel; });
       state_texels.clear();
-      for (const std::uint32_t p : place)
-        state_texels.insert(state_texels.end(), {results[0][p], results[1][p], results[2][p]});
-      for (std::size_t i = 0; i < open.size(); ++i) {
-        const Ray& ray = batch[open[i]];
-        ray_texels[2 * i] = glm::vec4(ray.origin, ray.t_max);
-        ray_texels[2 * i + 1] = glm::vec4(ray.direction, 0.0f);
+      const int rows = static_cast<int>((open.size() + kBatchWidth - 1) / kBatchWidth);
+      clear_rays(rows - 1, rows);
+      for (std::size_t k = 0; k < open.size(); ++k) {
+        for (const auto& result : results) state_texels.push_back(result[open[k].pixel]);
+        put_ray(k, batch[open[k].ray]);
       }
-      upload_rays(open.size());
-      upload_state(open.size());
+      upload_state(rows);
       range_end = std::min(range_end + kBruteForceRange, primitive_count);
-      draw(open.size(), true, range_end);
-      std::vector<std::uint32_t> still_open;
-      place.clear();
-      for (std::size_t i = 0; i < open.size(); ++i) {
-        if ((results[0][i].x & 7u) == kWordUnfinished) {
-          still_open.push_back(open[i]);
-          place.push_back(static_cast<std::uint32_t>(i));
-        } else {
-          hits[open[i]] = unpack(results[0][i], results[1][i], results[2][i]);
-        }
-      }
+      draw(rows, true, range_end);
+      std::vector<Open> still_open;
+      for (std::size_t k = 0; k < open.size(); ++k) take(open[k].ray, static_cast<std::uint32_t>(k), hits, still_open);
       open = std::move(still_open);
+    }
+  }
+
+  /// A ray of the batch whose walk has not ended, and the pixel where its state is.
+  struct Open {
+    std::uint32_t ray, pixel;
+  };
+  /// Takes a ray's result from its pixel.
+  void take(std::uint32_t ray, std::uint32_t pixel, std::span<Hit> hits, std::vector<Open>& open) const {
+    if ((results[0][pixel].x & 7u) == kWordUnfinished) {
+      open.push_back({ray, pixel});
+    } else {
+      hits[ray] = unpack(results[0][pixel], results[1][pixel], results[2][pixel]);
     }
   }
 };

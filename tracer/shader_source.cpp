@@ -147,10 +147,10 @@ GLuint link_program(GlContext& context, const ShaderText& vertex, const ShaderTe
   throw EnvironmentError("the OpenGL driver refuses to link a shader:\n" + log);
 }
 
-ProgramVariant program_variant(const GeometryImage& image, bool brute_force, bool resolves_edge_on) {
+ProgramVariant program_variant(const GeometryImage& image, bool brute_force, bool thorough) {
   // An image without primitives is walked by the code for triangles.
   return {image.options.layout,   image.options.bounds, image.triangle_count > 0 || image.sphere_count == 0,
-          image.sphere_count > 0, brute_force,          resolves_edge_on};
+          image.sphere_count > 0, brute_force,          thorough};
 }
 
 ShaderText probe_fragment_shader(const ProgramVariant& variant, std::span<const ShaderPatch> patches,
@@ -159,6 +159,7 @@ ShaderText probe_fragment_shader(const ProgramVariant& variant, std::span<const 
   std::vector<ShaderDefine> defines{
       {"EDGE_ON", glsl_float(kEdgeOn)},
       {"EDGE_ON_REACH", glsl_float(kEdgeOnReach)},
+      {"BATCH_WIDTH", std::to_string(kBatchWidth)},
       {"SHIFT_EXPONENT", std::to_string(kShiftExponent)},
       {"SHIFT_UNIT", glsl_float(1.0 / (1 << kShiftExponent))},
       {"NO_LABEL", glsl_float(kNoLabel)},
@@ -174,7 +175,7 @@ ShaderText probe_fragment_shader(const ProgramVariant& variant, std::span<const 
   };
   if (variant.has_triangles) defines.emplace_back("HAS_TRIANGLES", "");
   if (variant.has_spheres) defines.emplace_back("HAS_SPHERES", "");
-  if (variant.resolves_edge_on) defines.emplace_back("RESOLVE_EDGE_ON", "");
+  if (variant.thorough) defines.emplace_back("THOROUGH", "");
   if (variant.bounds == Bounds::aabb) defines.emplace_back("BOUNDS_AABB", "");
   defines.emplace_back("PASS_CONSTANT", "flat in");
   const std::array<std::string_view, 11> files{

@@ -47,11 +47,12 @@ struct ProgramVariant {
   Bounds bounds = Bounds::sphere;
   bool has_triangles = false, has_spheres = false;
   bool brute_force = false;
-  bool resolves_edge_on =
-      false;  ///< false: a ray that meets a triangle edge-on is left unfinished, to go on in a program that does
+  /// False: a ray that needs rare code (a triangle seen edge-on, an origin very far away) is left unfinished, to go on
+  /// in the thorough program of the same image.
+  bool thorough = false;
   bool operator==(const ProgramVariant&) const = default;
 };
-ProgramVariant program_variant(const GeometryImage& image, bool brute_force, bool resolves_edge_on);
+ProgramVariant program_variant(const GeometryImage& image, bool brute_force, bool thorough);
 
 /// The production fragment shader of a variant, and its vertex shader.
 ShaderText probe_fragment_shader(const ProgramVariant& variant, std::span<const ShaderPatch> patches = {},

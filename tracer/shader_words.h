@@ -12,6 +12,10 @@ inline constexpr double kEdgeOn = 0x1p-8;
 /// both.
 inline constexpr double kEdgeOnReach = 0x1p-12;
 
+/// Rays of one pass: a picture of this size. Small enough that rays and results stay near the cores, large enough that
+/// the driver's threads are busy.
+inline constexpr int kBatchWidth = 512, kBatchHeight = 512;
+
 /// Far rays are moved near the scene in units of 2^8, so that nothing overflows (ray_prepare.glsl).
 inline constexpr int kShiftExponent = 8;
 

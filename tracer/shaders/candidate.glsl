@@ -57,9 +57,9 @@ float test_primitive(int address) {
   return p0.w;
 }
 
-#ifdef RESOLVE_EDGE_ON
-// A triangle seen edge-on costs several times an ordinary one and is rare, but this driver runs both sides of every `if`: so the walk stops at
-// it, it is settled here, outside of the walking loops, and the walk goes on behind it.
+#ifdef THOROUGH
+// A triangle seen edge-on costs several times an ordinary one and is rare: the walk stops at it, it is settled here, outside of the walking
+// loops, and the walk goes on behind it.
 void resolve_pending() {
 #ifdef HAS_TRIANGLES
   int address = max(nearest.pending, 0);

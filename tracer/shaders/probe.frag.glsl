@@ -1,7 +1,14 @@
 // SPDX-License-Identifier: MIT
 // One ray per pixel: rays come from a texture, results go to three integer targets, whose words no driver converts.
 
-uniform sampler2D u_rays;        // row y, texels 2 x and 2 x + 1: origin and t_max, direction and 0
+// Texels 2 i and 2 i + 1 are origin and t_max, direction and 0 of the ray of pixel i, counted row by row.
+#ifdef BUFFER_TEXTURES
+uniform samplerBuffer u_rays;
+vec4 ray_texel(int i) { return texelFetch(u_rays, i); }
+#else
+uniform sampler2D u_rays;
+vec4 ray_texel(int i) { return texelFetch(u_rays, ivec2(i % (2 * BATCH_WIDTH), i / (2 * BATCH_WIDTH)), 0); }
+#endif
 uniform usampler2D u_state;      // read where walks are resumed: what an unfinished pixel wrote, three texels a pixel
 
 layout(location = 0) out uvec4 out_0;  // kind + 8 * primitive, t, steps, primitives tested
@@ -36,7 +43,7 @@ void start_or_resume(ivec2 pixel) {
     nearest.weights = uintBitsToFloat(s2.yz);
     nearest.address = int(s2.w);
   }
-  if (ray.misses || !ray.defined) walk.ended = true;
+  if ((ray.misses && !ray.too_far) || !ray.defined) walk.ended = true;
 }
 
 void write_unfinished() {
@@ -77,12 +84,13 @@ void write_result(float t_max) {
 
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
-  vec4 origin_and_end = texelFetch(u_rays, ivec2(pixel.x * 2, pixel.y), 0);
-  vec4 direction = texelFetch(u_rays, ivec2(pixel.x * 2 + 1, pixel.y), 0);
+  int number = pixel.y * BATCH_WIDTH + pixel.x;
+  vec4 origin_and_end = ray_texel(2 * number);
+  vec4 direction = ray_texel(2 * number + 1);
   prepare_ray(origin_and_end.xyz, direction.xyz, origin_and_end.w);
   start_or_resume(pixel);
 
-#ifdef RESOLVE_EDGE_ON
+#ifdef THOROUGH
   bool is_walking = !walk.ended;
   while (is_walking) {
     resolve_pending();
@@ -90,9 +98,10 @@ void main() {
     is_walking = nearest.pending >= 0;
   }
 #else
-  if (!walk.ended) walk_tree();
+  if (!walk.ended && !ray.too_far) walk_tree();
 #endif
-  // A ray that waits for a triangle seen edge-on, or whose loops the driver has ended, goes on in another pass, with RESOLVE_EDGE_ON.
+  // A ray that waits for a triangle seen edge-on, comes from very far, or whose loops the driver has ended, goes on in another pass with
+  // the thorough program: what is rare costs the others nothing there, since this driver runs both sides of every `if`.
   bool unfinished = nearest.pending >= 0 || (!walk.ended && walk.steps < pass_walk.w);
   write_result(origin_and_end.w);
   if (unfinished) write_unfinished();

@@ -16,6 +16,7 @@ struct WalkRay {
   int exponent;
   bool defined;  // false: the ray has no answer (SEMANTICS 1.3)
   bool misses;   // true: the ray misses the scene's ball, or t_max <= 0
+  bool too_far;  // true: the origin is so far away that only the thorough program moves it near enough
 };
 
 WalkRay ray;
@@ -26,31 +27,41 @@ vec3 permute(vec3 v) { return ray.axis == 0 ? v.yzx : ray.axis == 1 ? v.zxy : v.
 bool is_finite(ivec3 magnitude) { return max(max(magnitude.x, magnitude.y), magnitude.z) < 0x7f800000; }
 
 // Moves the origin of a far ray along it to two scene radii before the point next to the scene's centre. In floats alone o + t d would
-// be off by |o| 2^-24, so origin and shift are carried as unevaluated sums (high + low) of some 48 bits. Where the step ends matters little, and
-// it misses its aim by 2^-21 of its length: one does for origins within 10^5 radii, eight for any. Everything is scaled by 2^-8
-// that nothing overflows. Rays that are near take no step.
+// be off by |o| 2^-24, so products and sums are taken with their rounding errors. Where the step ends matters little, but it misses its aim by
+// up to 2^-21 of its length; from beyond 10^4 radii another step or more follow, with origin and shift carried as unevaluated sums
+// (high + low) of some 48 bits. Everything is scaled by 2^-8 that nothing overflows.
 void approach_scene(bool is_far) {
-  vec3 high = ray.o * SHIFT_UNIT, low = vec3(0.0);
   vec3 center = pass_ball.xyz * SHIFT_UNIT;
-  float shift_high = 0.0, shift_low = 0.0;
-  float back = 2.0 * pass_ball.w * SHIFT_UNIT * sqrt(dot(ray.dn, ray.dn));
-  bool is_moving = is_far;
+  vec3 start = ray.o * SHIFT_UNIT;
+  float back = 2.0 * pass_ball.w * SHIFT_UNIT * sqrt(ray.inverse_d2);
+  float advance = dot(center - start, ray.dn) - back;
+  vec3 product = advance * ray.d;
+  vec3 sum = opaque(start + product);
+  vec3 rest = sum_error(start, product, sum) + product_error(vec3(advance), ray.d, product);
+  vec3 high = opaque(sum + rest);
+  float shift_high = advance, shift_low = 0.0;
+  ray.too_far = is_far && abs(advance) > 32768.0 * back;
+#ifdef THOROUGH
+  vec3 low = sum_error(sum, rest, high);
+  bool is_moving = ray.too_far;
   for (int i = 0; i < 8 && is_moving; ++i) {
-    float advance = dot((center - high) - low, ray.dn) - back;
-    vec3 step_high = advance * ray.d;
-    vec3 step_low = product_error(vec3(advance), ray.d, step_high);
-    vec3 sum = opaque(high + step_high);
-    low = low + (sum_error(high, step_high, sum) + step_low);
+    advance = dot((center - high) - low, ray.dn) - back;
+    product = advance * ray.d;
+    sum = opaque(high + product);
+    low = low + (sum_error(high, product, sum) + product_error(vec3(advance), ray.d, product));
     high = opaque(sum + low);
     low = sum_error(sum, low, high);
     float t_sum = opaque(shift_high + advance);
     float z = opaque(t_sum - shift_high);
     shift_low = shift_low + ((shift_high - opaque(t_sum - z)) + (advance - z));
     shift_high = t_sum;
-    is_moving = abs(advance) > 65536.0 * back;
+    is_moving = abs(advance) > 32768.0 * back;
   }
+  high = high + low;
+  ray.too_far = false;
+#endif
   if (is_far) {
-    ray.o = (high + low) * (1.0 / SHIFT_UNIT);
+    ray.o = high * (1.0 / SHIFT_UNIT);
     ray.shift_high = shift_high;
     ray.shift_low = shift_low;
     ray.shift_unit = SHIFT_UNIT;
