@@ -15,7 +15,7 @@ struct WalkRay {
   float shift_high, shift_low, shift_unit;
   int exponent;
   bool defined;  // false: the ray has no answer (SEMANTICS 1.3)
-  bool misses;   // true: the ray misses the scene's ball, or t_max <= 0
+  bool misses;   // true: the ray misses the scene's ball, or ends before it
   bool too_far;  // true: the origin is so far away that only the thorough program moves it near enough
 };
 
@@ -108,12 +108,10 @@ void prepare_ray(vec3 origin, vec3 direction, float t_max) {
   m = pass_ball.xyz - ray.o;
   vec3 f = m - dot(m, ray.dn) * ray.d;
   bool passes = is_far && !(dot(f, f) <= 1.5625 * pass_ball.w * pass_ball.w);
-  bool positive = t_magnitude > 0 && floatBitsToInt(t_max) > 0;
-  ray.misses = leaves || passes || !positive;
-
   float t_end = scale_exactly(t_max, -ray.exponent);
   ray.t_best = ((t_end - ray.shift_high) - ray.shift_low) * (1.0 / ray.shift_unit);
   ray.t_low = is_far ? -3.0e38 : 0.0;  // the scene lies before a far ray's walking origin
+  ray.misses = leaves || passes || !(ray.t_best > 0.0);
 }
 
 // t as the ray's own, never above its t_max: the bits of a float.
