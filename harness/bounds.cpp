@@ -72,9 +72,9 @@ struct Seen {
 Seen see(const BoundsContext& c, const Ray& ray, std::uint32_t primitive) {
   Seen s;
   const glm::dvec3 d(ray.direction);
-  int kz = 0;
-  if (std::abs(d.y) > std::abs(d[kz])) kz = 1;
-  if (std::abs(d.z) > std::abs(d[kz])) kz = 2;
+  // The tracer's choice, between equal components too: along which axis z runs decides how z and weights share the error.
+  const glm::dvec3 size = glm::abs(d);
+  const int kz = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
   const int kx = (kz + 1) % 3, ky = (kz + 2) % 3;
   s.inverse_dz = 1.0 / d[kz];
   const double sx = d[kx] * s.inverse_dz, sy = d[ky] * s.inverse_dz;
