@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "tracer/shader_source.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cstdio>
-#include <regex>
 #include <sstream>
 
 #include "scenes/error.h"
@@ -103,19 +103,23 @@ ShaderText compose_shader(std::span<const std::string_view> files, std::span<con
 
 std::string translate_log(const ShaderText& shader, const std::string& log) {
   // Mesa: "0:30012(5): error: ..."; others: "0(30012) : error ..." or "ERROR: 0:30012: ...".
-  static const std::regex kPlace(R"(\b0[:(](\d+)\)?(\(\d+\))? ?:? ?)");
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
   std::istringstream lines(log);
   std::string result;
   for (std::string line; std::getline(lines, line);) {
-    std::smatch match;
-    if (std::regex_search(line, match, kPlace)) {
+    const std::size_t begin = std::min(line.find("0:"), line.find("0("));
+    if (begin != std::string::npos && (begin == 0 || !is_digit(line[begin - 1]))) {
       int number = 0;
-      const std::string digits = match[1];
-      std::from_chars(digits.data(), digits.data() + digits.size(), number);
+      const char* end = std::from_chars(line.data() + begin + 2, line.data() + line.size(), number).ptr;
       const std::size_t file = static_cast<std::size_t>(number / kLinesPerFile);
       if (file >= 1 && file <= shader.files.size()) {
-        line = match.prefix().str() + "tracer/shaders/" + shader.files[file - 1] + ":" +
-               std::to_string(number % kLinesPerFile) + ": " + match.suffix().str();
+        // What stands between the number and the message: a column in brackets, a closing bracket, a colon, spaces.
+        std::size_t message = static_cast<std::size_t>(end - line.data());
+        if (message < line.size() && line[message] == '(') message = std::min(line.find(')', message), line.size() - 1);
+        while (message < line.size() && (line[message] == ')' || line[message] == ':' || line[message] == ' '))
+          ++message;
+        line = line.substr(0, begin) + "tracer/shaders/" + shader.files[file - 1] + ":" +
+               std::to_string(number % kLinesPerFile) + ": " + line.substr(message);
       }
     }
     result += line + "\n";
