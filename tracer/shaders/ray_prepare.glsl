@@ -69,6 +69,11 @@ void approach_scene(bool is_far) {
   }
 }
 
+// Components so small beside the largest that products of them would be flushed to zero here and not there, which would turn a triangle's
+// edge functions into noise. They move the ray by 2^-60 of the scene's size, far less than its rounding.
+const float NEGLIGIBLE = 8.673617379884035e-19;
+vec3 drop_below(vec3 v, float least) { return mix(v, vec3(0.0), lessThan(abs(v), vec3(least))); }
+
 void prepare_ray(vec3 origin, vec3 direction, float t_max) {
   ivec3 o_magnitude = floatBitsToInt(origin) & ivec3(0x7fffffff);
   ivec3 d_magnitude = floatBitsToInt(direction) & ivec3(0x7fffffff);
@@ -84,8 +89,8 @@ void prepare_ray(vec3 origin, vec3 direction, float t_max) {
   int exponent;
   float mantissa = split_exponent(largest, exponent);
   exponent += ((floatBitsToInt(mantissa) >> 23) & 255) - 127;
-  ray.d = scale_exactly(direction, -exponent);
-  ray.o = pass_range.x == 0 ? origin : scale_exactly(origin, pass_range.x);
+  ray.d = drop_below(scale_exactly(direction, -exponent), NEGLIGIBLE);
+  ray.o = drop_below(pass_range.x == 0 ? origin : scale_exactly(origin, pass_range.x), NEGLIGIBLE * pass_ball.w);
   ray.exponent = -exponent - pass_range.x;
   ray.inverse_d2 = 1.0 / dot(ray.d, ray.d);
   ray.dn = ray.d * ray.inverse_d2;

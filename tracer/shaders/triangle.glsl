@@ -33,41 +33,19 @@ TriangleHit intersect_triangle(vec3 corner_a, vec3 corner_b, vec3 corner_c) {
   return hit;
 }
 
-// The point of the projected edge p, q next to the ray: its parameter, and its squared distance from the ray.
-vec2 next_on_edge(vec3 p, vec3 q) {
-  vec2 e = q.xy - p.xy;
-  float s = clamp(-dot(p.xy, e) / dot(e, e), 0.0, 1.0);
-  vec2 k = p.xy + s * e;
-  return vec2(s, dot(k, k));
-}
-
 // A triangle seen nearly edge-on, or so small that it seems so, that intersect_triangle found to be inside: there the edge functions are
 // mostly rounding error and tell neither where along the sliver the ray passes nor that it does not pass far beside it. They are computed
-// again, exactly but for the last place. Where they now contradict one another, the ray passes within rounding of an edge, or is far
-// away: the nearest point of the outline answers if it is no farther than EDGE_ON_REACH of the longest edge.
+// again, exactly but for the last place. It stays watertight: a neighbour that is not seen edge-on takes at least what its exact edge functions
+// would give it, since rounding turns them to zero at worst, and zero is inside.
 TriangleHit resolve_edge_on(vec3 corner_a, vec3 corner_b, vec3 corner_c) {
   vec3 a = project(corner_a), b = project(corner_b), c = project(corner_c);
   float u = difference_of_products(c.x, b.y, c.y, b.x);
   float v = difference_of_products(a.x, c.y, a.y, c.x);
   float w = difference_of_products(b.x, a.y, b.y, a.x);
   float det = (u + v) + w;
-  bool agree = (min(min(u, v), w) >= 0.0 || max(max(u, v), w) <= 0.0) && det != 0.0;
-  vec3 exact = vec3(u, v, w) * (1.0 / det);
-
-  vec2 ab = next_on_edge(a, b), bc = next_on_edge(b, c), ca = next_on_edge(c, a);
-  float distance2 = min(min(ab.y, bc.y), ca.y);
-  vec3 outline = ab.y <= distance2   ? vec3(1.0 - ab.x, ab.x, 0.0)
-                 : bc.y <= distance2 ? vec3(0.0, 1.0 - bc.x, bc.x)
-                                     : vec3(ca.x, 0.0, 1.0 - ca.x);
-  vec2 e = b.xy - a.xy, f = c.xy - b.xy, g = a.xy - c.xy;
-  float longest2 = max(max(dot(e, e), dot(f, f)), dot(g, g));
-  bool beside = distance2 <= (EDGE_ON_REACH * EDGE_ON_REACH) * longest2;
-  // In the plane of the triangle, the first edge functions were all zero: no hit (SEMANTICS 2.2).
-  float first_det = (edge_function(c, b) + edge_function(a, c)) + edge_function(b, a);
-
-  vec3 weights = agree ? exact : outline;
+  vec3 weights = vec3(u, v, w) * (1.0 / det);
   TriangleHit hit;
-  hit.inside = agree || (beside && first_det != 0.0);
+  hit.inside = (min(min(u, v), w) >= 0.0 || max(max(u, v), w) <= 0.0) && det != 0.0;
   hit.edge_on = false;
   hit.t = ((weights.x * a.z + weights.y * b.z) + weights.z * c.z) * ray.shear.z;
   hit.weights = weights.yz;

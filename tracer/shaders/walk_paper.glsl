@@ -21,10 +21,12 @@ void start_walk() {
 
 void walk_tree() {
   vec2 at = intBitsToFloat(walk.at);
+  if (at.x < 0.0) walk.ended = true;  // the last primitive of all was seen edge-on: nothing is left behind it
 #ifdef BOUNDS_AABB
   vec3 inverse = slab_inverse(ray.d);
 #endif
   for (;;) {
+    if (walk.ended) break;
     vec4 links = vec4(0.0);
     vec2 geometry = vec2(0.0);
     for (;;) {
@@ -60,7 +62,7 @@ void walk_tree() {
       at = links.zw;
       if (at.x < 0.0) walk.ended = true;
     }
-    if (walk.ended || nearest.pending >= 0 || walk.steps >= pass_walk.w) break;
+    if (nearest.pending >= 0 || walk.steps >= pass_walk.w) break;
   }
   walk.at = floatBitsToInt(at);
 }
