@@ -87,7 +87,7 @@ Seen see(const BoundsContext& c, const Ray& ray, std::uint32_t primitive) {
     s.y[i] = a[ky] - sy * a[kz];
     s.z[i] = a[kz];
     s.reach = std::max(s.reach, glm::length(a));
-    s.extent = std::max(s.extent, std::hypot(s.x[i], s.y[i]));
+    s.extent = std::max(s.extent, std::sqrt(s.x[i] * s.x[i] + s.y[i] * s.y[i]));
     z_min = i ? std::min(z_min, s.z[i]) : s.z[i];
     z_top = i ? std::max(z_top, s.z[i]) : s.z[i];
   }
@@ -97,7 +97,8 @@ Seen see(const BoundsContext& c, const Ray& ray, std::uint32_t primitive) {
   s.shortest = std::numeric_limits<double>::infinity();
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3;
-    const double e = std::hypot(s.x[j] - s.x[i], s.y[j] - s.y[i]);
+    const double ex = s.x[j] - s.x[i], ey = s.y[j] - s.y[i];
+    const double e = std::sqrt(ex * ex + ey * ey);
     s.opposite[(i + 2) % 3] = e;
     s.shortest = std::min(s.shortest, e);
   }

@@ -50,19 +50,20 @@ Case picture_case(const ListedScene& scene) {
     stage.embree.intersect(rays, buffers.reference);
     const std::uint64_t seed = case_seed(context.seed, self.name);
     Tally tally;
-    judge_batch(stage.judge, rays, buffers.tracer, buffers.reference, 0, seed, 64, tally);
+    std::vector<Verdict> judged(rays.size());
+    judge_batch(stage.judge, rays, buffers.tracer, buffers.reference, 0, seed, 1024, tally, judged);
     name_layers(context.session, stage, tally);
     record_tally(tally, self.spec, record);
     conclude(tally, rays.size(), record);
 
     std::vector<std::uint32_t> primitives(rays.size());
     std::vector<float> steps(rays.size()), tests(rays.size());
-    std::vector<std::uint8_t> verdicts(rays.size(), static_cast<std::uint8_t>(Verdict::agree));
+    std::vector<std::uint8_t> verdicts(rays.size());
     for (std::size_t i = 0; i < rays.size(); ++i) {
       const Hit& h = buffers.tracer[i];
       primitives[i] = h.kind == HitKind::hit ? h.primitive : kNone;
       steps[i] = static_cast<float>(h.steps), tests[i] = static_cast<float>(h.primitive_tests);
-      verdicts[i] = static_cast<std::uint8_t>(judge(stage.judge, rays[i], h, buffers.reference[i]).verdict);
+      verdicts[i] = static_cast<std::uint8_t>(judged[i]);
     }
     std::vector<std::string> names;
     for (const Verdict v : kVerdicts) names.emplace_back(verdict_name(v));

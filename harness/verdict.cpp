@@ -357,7 +357,8 @@ void merge(Tally& into, const Tally& from) {
 }  // namespace
 
 void judge_batch(const Judge& judge_data, std::span<const Ray> rays, std::span<const Hit> tracer, std::span<const ReferenceHit> reference,
-                 std::uint64_t first_index, std::uint64_t seed, std::uint32_t sample_one_in, Tally& tally) {
+                 std::uint64_t first_index, std::uint64_t seed, std::uint32_t sample_one_in, Tally& tally, std::span<Verdict> verdicts) {
+  PLUMBLINE_ASSERT(verdicts.empty() || verdicts.size() == rays.size());
   PLUMBLINE_ASSERT(tracer.size() == rays.size() && reference.size() == rays.size());
   const std::uint64_t salt = mix64(seed ^ name_hash("arbitrated sample"));
   const Tally batch = tbb::parallel_reduce(
@@ -369,6 +370,7 @@ void judge_batch(const Judge& judge_data, std::span<const Ray> rays, std::span<c
           const bool sample = sample_one_in > 0 && mix64(salt ^ index) % sample_one_in == 0;
           Judgement j = judge(judge_data, rays[i], tracer[i], reference[i], sample);
           ++part.count[static_cast<std::size_t>(j.verdict)];
+          if (!verdicts.empty()) verdicts[i] = j.verdict;
           part.arbitrated += j.arbitrated;
           part.sampled += sample && j.arbitrated;
           if (j.verdict == Verdict::grazing && j.bound > 0.0) part.max_margin_ratio = std::max(part.max_margin_ratio, j.margin / j.bound);

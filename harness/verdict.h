@@ -68,9 +68,9 @@ struct Tally {
 };
 
 /// Judges a batch on all cores and adds it to `tally`. Ray i has number first_index + i. About one agreeing ray in
-/// `sample_one_in` is arbitrated, chosen by a hash of (seed, number).
+/// `sample_one_in` is arbitrated, chosen by a hash of (seed, number). `verdicts`, if it is not empty, receives each ray's verdict.
 void judge_batch(const Judge& judge, std::span<const Ray> rays, std::span<const Hit> tracer, std::span<const ReferenceHit> reference,
-                 std::uint64_t first_index, std::uint64_t seed, std::uint32_t sample_one_in, Tally& tally);
+                 std::uint64_t first_index, std::uint64_t seed, std::uint32_t sample_one_in, Tally& tally, std::span<Verdict> verdicts = {});
 
 /// "hit 812 at t = 3.2000003, position (1, 2, 3)", "miss", ...
 std::string describe(const Hit& hit);

@@ -41,10 +41,14 @@ class Random {
     const std::uint64_t x = bits(), low = (x & 0xffffffffu) * n, high = (x >> 32) * n;  // x * n in two halves
     return static_cast<std::uint32_t>((high + (low >> 32)) >> 32);
   }
-  /// Uniform on the unit sphere (Archimedes: z is uniform).
+  /// Uniform on the unit sphere (Marsaglia 1972: from a point of the unit disc, without trigonometry).
   glm::dvec3 direction() {
-    const double z = uniform(-1.0, 1.0), phi = uniform(0.0, 6.283185307179586), r = std::sqrt(1.0 - z * z);
-    return {r * std::cos(phi), r * std::sin(phi), z};
+    for (;;) {
+      const double x = uniform(-1.0, 1.0), y = uniform(-1.0, 1.0), s = x * x + y * y;
+      if (!(s < 1.0)) continue;
+      const double r = 2.0 * std::sqrt(1.0 - s);
+      return {r * x, r * y, 1.0 - 2.0 * s};
+    }
   }
 
  private:

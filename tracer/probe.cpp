@@ -13,6 +13,7 @@
 
 #include "scenes/error.h"
 #include "tracer/gl_objects.h"
+#include "tracer/halves.h"
 #include "tracer/ray_order.h"
 #include "tracer/shader_words.h"
 
@@ -190,12 +191,19 @@ struct Probe::Impl {
     seconds += std::chrono::duration<double>(Clock::now() - start).count();
     // No order leaves pixels without a ray in any but the last four rows.
     clear_rays(std::max(places.rows - 4, 0), places.rows);
-    for (std::size_t i = 0; i < batch.size(); ++i) put_ray(places.pixel[i], batch[i]);
+    in_halves(batch.size(), [&](int, std::size_t first, std::size_t end) {
+      for (std::size_t i = first; i < end; ++i) put_ray(places.pixel[i], batch[i]);
+    });
     std::uint32_t range_end = is_brute ? std::min(kBruteForceRange, primitive_count) : primitive_count;
     draw(places.rows, false, range_end);
 
-    std::vector<Open> open;
-    for (std::size_t i = 0; i < batch.size(); ++i) take(static_cast<std::uint32_t>(i), places.pixel[i], hits, open);
+    std::array<std::vector<Open>, 2> open_of_half;
+    in_halves(batch.size(), [&](int half, std::size_t first, std::size_t end) {
+      for (std::size_t i = first; i < end; ++i)
+        take(static_cast<std::uint32_t>(i), places.pixel[i], hits, open_of_half[static_cast<std::size_t>(half)]);
+    });
+    std::vector<Open> open = std::move(open_of_half[0]);
+    open.insert(open.end(), open_of_half[1].begin(), open_of_half[1].end());
     while (!open.empty()) {
       ++resumed;
       // In the order of their pixels, so that rays that walked together go on together.
