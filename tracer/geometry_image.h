@@ -4,7 +4,7 @@
 //
 // Units. World coordinates times 2^scale_exponent, an exact power of two that is 1 unless the scene's radius lies
 // outside [2^-20, 2^20]. All bounds are padded, so that no primitive is lost that the shader's own arithmetic accepts
-// (pad.h).
+// (bake.h).
 //
 // Primitives stand after the nodes, cluster by cluster (a cluster is what one leaf holds), each in `primitive_stride`
 // units:

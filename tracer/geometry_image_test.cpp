@@ -126,9 +126,9 @@ TEST_CASE("compact words are at least the squared radius, and hardly more", "[im
     const double packed = std::sqrt(std::abs(static_cast<double>(texel.w)));
     CHECK(packed > node.radius);
     CHECK((texel.w < 0.0f) == node.is_leaf());
-    // Padding: 2^-17 of the scene and 2^-11 of the longest edge below (at most its diameter); packing: one step of the
+    // Padding: 2^-17 of the scene and 2^-12 of the longest edge below (at most its diameter); packing: one step of the
     // bits that are left.
-    const double padded = node.radius * (1.0 + 0x1p-10) + 0x1p-17 * image.radius;
+    const double padded = node.radius * (1.0 + 0x1p-11) + 0x1p-17 * image.radius;
     CHECK(packed <= padded * (1.0 + std::ldexp(1.0, image.payload_bits - 23)));
   }
   CHECK(std::bit_cast<std::uint32_t>(image.texels[at].w) == kEndWord);

@@ -256,6 +256,62 @@ TEST_CASE("the interval is open at zero and closed at t_max", "[probe]") {
   CHECK(t_of(1.5f, 0x1p127f, 0x1p-128f) == 0x1p-128f);
 }
 
+TEST_CASE("a walk whose last triangle is seen edge-on ends", "[probe]") {
+  Scene scene;
+  scene.materials.emplace_back();
+  scene.positions = {{0, -1, -1}, {0, 1, -1}, {0, 0, 1}};
+  scene.triangles.push_back({{0, 1, 2}});
+  Ray within, beside;  // in the triangle's plane, through it and past it
+  within.origin = {0, 0, -3}, within.direction = {0, 0, 1};
+  beside.origin = {0, 2, -3}, beside.direction = {0, 0, 1};
+  for (const Layout layout : {Layout::compact, Layout::paper}) {
+    BakeOptions options;
+    options.layout = layout;
+    const GeometryImage image = bake(scene, options);
+    INFO("layout " << name_of(layout));
+    for (const Hit& hit : traced(image, {within, beside})) {
+      CHECK(hit.kind == HitKind::miss);
+      CHECK(hit.steps <= image.cell_count);
+      CHECK(hit.primitive_tests <= 1);
+    }
+  }
+}
+
+TEST_CASE("components of any smallness are harmless", "[probe]") {
+  // Corners with coordinates of 0 or nearly, in planes of the axes: there small components meet nothing that outweighs
+  // them.
+  Scene scene = soup(100, 50, 6);
+  for (std::uint32_t i = 0; i < 200; ++i) {
+    Random random(6, 5, i);
+    Triangle triangle;
+    for (int k = 0; k < 3; ++k) {
+      triangle.position[k] = static_cast<std::uint32_t>(scene.positions.size());
+      glm::vec3 corner(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
+      corner[i % 3] = i % 2 == 0 ? 0.0f : std::ldexp(corner[i % 3], -static_cast<int>(random.below(140)));
+      if (k == 0) corner[(i + 1) % 3] = 0.0f;
+      scene.positions.push_back(corner);
+    }
+    scene.triangles.push_back(triangle);
+  }
+  const GeometryImage image = bake(scene);
+  auto rays = random_rays(bounding_ball(scene), 1.5, 4000, 12);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    Random random(6, 4, i);
+    Ray& ray = rays[i];
+    for (int axis = 0; axis < 3; ++axis) {
+      const int origin_shift = static_cast<int>(random.below(150)),
+                direction_shift = static_cast<int>(random.below(150));
+      if (random.below(2) == 0) ray.origin[axis] = std::ldexp(ray.origin[axis], -origin_shift);
+      // One component stays, so that t has a float.
+      if (random.below(2) == 0 && axis != static_cast<int>(i % 3))
+        ray.direction[axis] = std::ldexp(ray.direction[axis], -direction_shift);
+    }
+  }
+  const auto hits = traced(image, rays);
+  CHECK(misjudged(scene, rays, hits) == 0);
+  CHECK(differences(hits, traced(image, rays, Traversal::brute_force)) == 0);
+}
+
 TEST_CASE("among equal distances the lowest primitive number wins, in any order of storage", "[probe]") {
   Scene scene;
   scene.materials.emplace_back();

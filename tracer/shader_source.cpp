@@ -162,7 +162,7 @@ ShaderText probe_fragment_shader(const ProgramVariant& variant, std::span<const 
   const bool compact = variant.layout == Layout::compact;
   std::vector<ShaderDefine> defines{
       {"EDGE_ON", glsl_float(kEdgeOn)},
-      {"EDGE_ON_REACH", glsl_float(kEdgeOnReach)},
+      {"LEAST_DET", glsl_float(kLeastDet)},
       {"BATCH_WIDTH", std::to_string(kBatchWidth)},
       {"SHIFT_EXPONENT", std::to_string(kShiftExponent)},
       {"SHIFT_UNIT", glsl_float(1.0 / (1 << kShiftExponent))},

@@ -6,11 +6,12 @@
 
 namespace plumbline {
 
-/// A triangle whose projected area is below this share of its squared extent is resolved exactly (triangle.glsl), and
+/// A triangle whose projected area is below this share of its squared extent is resolved exactly (triangle.glsl);
+/// bake.h pads for what rounding does above it.
 inline constexpr double kEdgeOn = 0x1p-8;
-/// a ray that passes beside one may still hit it where it is this near, as a share of the longest edge. bake.h pads for
-/// both.
-inline constexpr double kEdgeOnReach = 0x1p-12;
+/// A triangle whose doubled projected area is below this is missed: products that were flushed to zero may be all of
+/// it. (0x1p-50 image units squared, where the scene's radius is at least 0x1p-20.)
+inline constexpr double kLeastDet = 0x1p-100;
 
 /// Rays of one pass: a picture of this size. Small enough that rays and results stay near the cores, large enough that
 /// the driver's threads are busy.

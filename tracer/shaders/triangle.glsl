@@ -27,7 +27,7 @@ TriangleHit intersect_triangle(vec3 corner_a, vec3 corner_b, vec3 corner_c) {
   float inverse = 1.0 / det;
   TriangleHit hit;
   hit.inside = min(min(u, v), w) >= 0.0 || max(max(u, v), w) <= 0.0;
-  hit.edge_on = abs(det) < EDGE_ON * far2;
+  hit.edge_on = abs(det) < max(EDGE_ON * far2, LEAST_DET);
   hit.t = (((u * a.z + v * b.z) + w * c.z) * inverse) * ray.shear.z;
   hit.weights = vec2(v, w) * inverse;
   return hit;
@@ -45,7 +45,7 @@ TriangleHit resolve_edge_on(vec3 corner_a, vec3 corner_b, vec3 corner_c) {
   float det = (u + v) + w;
   vec3 weights = vec3(u, v, w) * (1.0 / det);
   TriangleHit hit;
-  hit.inside = (min(min(u, v), w) >= 0.0 || max(max(u, v), w) <= 0.0) && det != 0.0;
+  hit.inside = (min(min(u, v), w) >= 0.0 || max(max(u, v), w) <= 0.0) && abs(det) >= LEAST_DET;
   hit.edge_on = false;
   hit.t = ((weights.x * a.z + weights.y * b.z) + weights.z * c.z) * ray.shear.z;
   hit.weights = weights.yz;
