@@ -57,6 +57,20 @@ class FlushDenormals {
   unsigned saved_;
 };
 
+/// Puts MXCSR back when it goes: opening a device leaves denormals flushed in the calling thread, and threads that TBB starts afterwards would inherit it.
+class KeepFloatingPoint {
+ public:
+  KeepFloatingPoint() : saved_(_mm_getcsr()) {
+    tbb::parallel_for(0, 64, [](int) {});  // TBB's arena takes the settings of the moment when it is first used: now
+  }
+  ~KeepFloatingPoint() { _mm_setcsr(saved_); }
+  KeepFloatingPoint(const KeepFloatingPoint&) = delete;
+  KeepFloatingPoint& operator=(const KeepFloatingPoint&) = delete;
+
+ private:
+  unsigned saved_;
+};
+
 float round_down(double x) {
   const float f = static_cast<float>(x);
   return static_cast<double>(f) > x ? std::nextafter(f, -INFINITY) : f;
@@ -268,6 +282,7 @@ EmbreeScene::EmbreeScene(const Scene& scene, SphereMode spheres) : impl_(std::ma
   for (const Triangle& triangle : scene.triangles) impl.triangles.push_back(triangle.position);
   for (const Sphere& sphere : scene.spheres) impl.spheres.centers.push_back({glm::dvec3(sphere.center), sphere.radius});
 
+  const KeepFloatingPoint keep;
   impl.device = rtcNewDevice(nullptr);
   if (impl.device == nullptr) throw EnvironmentError("Embree cannot open a device on this processor");
   impl.scene = rtcNewScene(impl.device);
