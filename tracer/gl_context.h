@@ -46,7 +46,6 @@
   X(GetString, PFNGLGETSTRINGPROC)                           \
   X(GetUniformLocation, PFNGLGETUNIFORMLOCATIONPROC)         \
   X(LinkProgram, PFNGLLINKPROGRAMPROC)                       \
-  X(PixelStorei, PFNGLPIXELSTOREIPROC)                       \
   X(ReadBuffer, PFNGLREADBUFFERPROC)                         \
   X(ReadPixels, PFNGLREADPIXELSPROC)                         \
   X(ShaderSource, PFNGLSHADERSOURCEPROC)                     \

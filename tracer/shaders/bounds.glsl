@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
-// The node tests: does the ray's segment 0 <= t <= best come near a bounding volume? Never "no" where a primitive inside is hit (bake.h).
+// The node tests: does the ray's segment 0 <= t <= best come near a bounding volume? Never "no" where a primitive
+// inside is hit (bake.h).
 
 #ifdef BOUNDS_AABB
-// The slabs of a box. A direction component of 0 counts as 2^-60: over the scene's size that is far less than the padding.
+// The slabs of a box. A direction component of 0 counts as 2^-60: over the scene's size that is far less than the
+// padding.
 vec3 slab_inverse(vec3 d) {
   vec3 size = max(abs(d), vec3(8.673617379884035e-19));
   return vec3(d.x < 0.0 ? -1.0 : 1.0, d.y < 0.0 ? -1.0 : 1.0, d.z < 0.0 ? -1.0 : 1.0) / size;

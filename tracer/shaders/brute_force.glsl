@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A loop over all primitives in place of the walk: what the tree lost, this finds. It shares all of the arithmetic on primitives.
+// A loop over all primitives in place of the walk: what the tree lost, this finds. It shares all of the arithmetic on
+// primitives.
 
 void start_walk() { walk.at = ivec2(0, 0); }
 

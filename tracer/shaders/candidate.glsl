@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The nearest hit so far, and how a primitive becomes it. Tree and brute force share every line of this, and the result does not
-// depend on the order in which primitives come: the least t wins, among equal t the lowest primitive number.
+// The nearest hit so far, and how a primitive becomes it. Tree and brute force share every line of this, and the result
+// does not depend on the order in which primitives come: the least t wins, among equal t the lowest primitive number.
 
 struct Nearest {
   float t;
@@ -58,8 +58,8 @@ float test_primitive(int address) {
 }
 
 #ifdef THOROUGH
-// A triangle seen edge-on costs several times an ordinary one and is rare: the walk stops at it, it is settled here, outside of the walking
-// loops, and the walk goes on behind it.
+// A triangle seen edge-on costs several times an ordinary one and is rare: the walk stops at it, it is settled here,
+// outside of the walking loops, and the walk goes on behind it.
 void resolve_pending() {
 #ifdef HAS_TRIANGLES
   int address = max(nearest.pending, 0);

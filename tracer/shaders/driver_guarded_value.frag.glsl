@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The same chains, walked as the production shader walks: a pixel leaves a loop before it changes what the loop depends on.
+// The same chains, walked as the production shader walks: a pixel leaves a loop before it changes what the loop depends
+// on.
 
 uniform sampler2D u_input;
 layout(location = 0) out uvec4 answer;

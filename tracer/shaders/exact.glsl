@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Arithmetic whose rounding errors are known or zero. Compilers may take real-number algebra for float algebra and turn (a + b) - a
-// into b; a sum that passes through `opaque` can't be seen through. Denormals may be flushed to zero by any operation.
+// Arithmetic whose rounding errors are known or zero. Compilers may take real-number algebra for float algebra and turn
+// (a + b) - a into b; a sum that passes through `opaque` can't be seen through. Denormals may be flushed to zero by any
+// operation.
 
 float opaque(float x) { return x * pass_factor.x; }
 vec3 opaque(vec3 x) { return x * pass_factor.x; }
@@ -27,7 +28,8 @@ vec3 product_error(vec3 a, vec3 b, vec3 product) {
   return (((ah * bh - product) + ah * bl) + al * bh) + al * bl;
 }
 
-// a * b - c * d with a relative error of a few units in the last place, its sign and its zero exact (short of underflow).
+// a * b - c * d with a relative error of a few units in the last place, its sign and its zero exact (short of
+// underflow).
 float difference_of_products(float a, float b, float c, float d) {
   float p = a * b, q = c * d;
   float pe = product_error(a, b, p), qe = product_error(c, d, q);
@@ -51,8 +53,8 @@ float split_exponent(int bits, out int exponent) {
   return field == 0 ? float(fraction) : intBitsToFloat(fraction | 0x3f800000);
 }
 
-// x * 2^e: exact where the result is normal; below 2^-126 it may be flushed to zero, above the largest float it is infinite. x may be
-// denormal; infinity stays.
+// x * 2^e: exact where the result is normal; below 2^-126 it may be flushed to zero, above the largest float it is
+// infinite. x may be denormal; infinity stays.
 float scale_exactly(float x, int e) {
   int bits = floatBitsToInt(x);
   int exponent;

@@ -2,7 +2,8 @@
 // Where things stand in a geometry image of layout `compact` (geometry_image.h). A primitive's address is its number k.
 
 #ifdef BUFFER_TEXTURES
-// The image is linear, and a buffer texture has no second coordinate and no levels of detail to compute: 13 % faster over all.
+// The image is linear, and a buffer texture has no second coordinate and no levels of detail to compute: 13 % faster
+// over all.
 uniform samplerBuffer u_geometry;
 vec4 texel(int i) { return texelFetch(u_geometry, i); }
 #else

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What is the same for every pixel of a pass. The vertex shader hands it to the pixels as flat varyings: they are at hand, while this driver
-// (llvmpipe) loads a uniform eight times over and checks its bounds wherever it is used.
+// What is the same for every pixel of a pass. The vertex shader hands it to the pixels as flat varyings: they are at
+// hand, while this driver (llvmpipe) loads a uniform eight times over and checks its bounds wherever it is used.
 
 PASS_CONSTANT vec4 pass_ball;    // the scene's ball in image units: centre, radius
 PASS_CONSTANT vec4 pass_factor;  // 1 (which the compiler can't know), 1 / image width, 1 / image height, 0

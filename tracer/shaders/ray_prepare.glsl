@@ -26,10 +26,11 @@ vec3 permute(vec3 v) { return ray.axis == 0 ? v.yzx : ray.axis == 1 ? v.zxy : v.
 
 bool is_finite(ivec3 magnitude) { return max(max(magnitude.x, magnitude.y), magnitude.z) < 0x7f800000; }
 
-// Moves the origin of a far ray along it to two scene radii before the point next to the scene's centre. In floats alone o + t d would
-// be off by |o| 2^-24, so products and sums are taken with their rounding errors. Where the step ends matters little, but it misses its aim by
-// up to 2^-21 of its length; from beyond 10^4 radii another step or more follow, with origin and shift carried as unevaluated sums
-// (high + low) of some 48 bits. Everything is scaled by 2^-8 that nothing overflows.
+// Moves the origin of a far ray along it to two scene radii before the point next to the scene's centre. In floats
+// alone o + t d would be off by |o| 2^-24, so products and sums are taken with their rounding errors. Where the step
+// ends matters little, but it misses its aim by up to 2^-21 of its length; from beyond 10^4 radii another step or more
+// follow, with origin and shift carried as unevaluated sums (high + low) of some 48 bits. Everything is scaled by 2^-8
+// that nothing overflows.
 void approach_scene(bool is_far) {
   vec3 center = pass_ball.xyz * SHIFT_UNIT;
   vec3 start = ray.o * SHIFT_UNIT;
@@ -69,8 +70,9 @@ void approach_scene(bool is_far) {
   }
 }
 
-// Components so small beside the largest that products of them would be flushed to zero here and not there, which would turn a triangle's
-// edge functions into noise. They move the ray by 2^-60 of the scene's size, far less than its rounding.
+// Components so small beside the largest that products of them would be flushed to zero here and not there, which would
+// turn a triangle's edge functions into noise. They move the ray by 2^-60 of the scene's size, far less than its
+// rounding.
 const float NEGLIGIBLE = 8.673617379884035e-19;
 vec3 drop_below(vec3 v, float least) { return mix(v, vec3(0.0), lessThan(abs(v), vec3(least))); }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Ray and triangle: watertight after Woop, Benthin and Wald 2013 ("Watertight Ray/Triangle Intersection", JCGT 2(1)). The corners are
-// projected along the ray; where the ray passes is told by three edge functions, whose floats on a shared edge are each
-// other's negatives bit by bit, since nothing is fused or reordered.
+// Ray and triangle: watertight after Woop, Benthin and Wald 2013 ("Watertight Ray/Triangle Intersection", JCGT 2(1)).
+// The corners are projected along the ray; where the ray passes is told by three edge functions, whose floats on a
+// shared edge are each other's negatives bit by bit, since nothing is fused or reordered.
 
 // A corner as the ray sees it: x, y across the ray in units of the permuted axes, z along its largest axis.
 vec3 project(vec3 corner) {
@@ -33,10 +33,11 @@ TriangleHit intersect_triangle(vec3 corner_a, vec3 corner_b, vec3 corner_c) {
   return hit;
 }
 
-// A triangle seen nearly edge-on, or so small that it seems so, that intersect_triangle found to be inside: there the edge functions are
-// mostly rounding error and tell neither where along the sliver the ray passes nor that it does not pass far beside it. They are computed
-// again, exactly but for the last place. It stays watertight: a neighbour that is not seen edge-on takes at least what its exact edge functions
-// would give it, since rounding turns them to zero at worst, and zero is inside.
+// A triangle seen nearly edge-on, or so small that it seems so, that intersect_triangle found to be inside: there the
+// edge functions are mostly rounding error and tell neither where along the sliver the ray passes nor that it does not
+// pass far beside it. They are computed again, exactly but for the last place. It stays watertight: a neighbour that is
+// not seen edge-on takes at least what its exact edge functions would give it, since rounding turns them to zero at
+// worst, and zero is inside.
 TriangleHit resolve_edge_on(vec3 corner_a, vec3 corner_b, vec3 corner_c) {
   vec3 a = project(corner_a), b = project(corner_b), c = project(corner_c);
   float u = difference_of_products(c.x, b.y, c.y, b.x);
@@ -58,8 +59,8 @@ int largest_exponent(vec3 v) {
   return (max(max(bits.x, bits.y), bits.z) >> 23) - 127;
 }
 
-// (b - a) x (c - a), of unit length. Edges and product are brought to a size near 1, so that nothing underflows. Where the edges are
-// parallel after rounding, any perpendicular must do.
+// (b - a) x (c - a), of unit length. Edges and product are brought to a size near 1, so that nothing underflows. Where
+// the edges are parallel after rounding, any perpendicular must do.
 vec3 triangle_normal(vec3 corner_a, vec3 corner_b, vec3 corner_c) {
   vec3 e = corner_b - corner_a, f = corner_c - corner_a;
   e *= power_of_two(clamp(-largest_exponent(e), -126, 127));

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
-// The walk through a geometry image of layout `compact`. The inner loop visits nodes alone, the outer one a leaf's primitives.
+// The walk through a geometry image of layout `compact`. The inner loop visits nodes alone, the outer one a leaf's
+// primitives.
 //
-// Both loops leave their bodies before they change what they depend on: a pixel that has left computes the same values again while its
-// neighbours go on, so that values read after a loop are right even where the driver overwrites them (Mesa 22.3).
+// Both loops leave their bodies before they change what they depend on: a pixel that has left computes the same values
+// again while its neighbours go on, so that values read after a loop are right even where the driver overwrites them
+// (Mesa 22.3).
 
 void start_walk() {
   int octant = (ray.d.x < 0.0 ? 1 : 0) + (ray.d.y < 0.0 ? 2 : 0) + (ray.d.z < 0.0 ? 4 : 0);

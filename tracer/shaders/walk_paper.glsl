@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The walk through a geometry image of layout `paper`: the paper's FINDNEXTINTERSECTION (section 4). The inner loop visits nodes alone and
-// ends at a link below 0, the outer one processes what that link leads to and goes on at the out link of the node that led there.
+// The walk through a geometry image of layout `paper`: the paper's FINDNEXTINTERSECTION (section 4). The inner loop
+// visits nodes alone and ends at a link below 0, the outer one processes what that link leads to and goes on at the out
+// link of the node that led there.
 //
 // As in walk_compact.glsl, a pixel that has left a loop computes the same values again while its neighbours go on.
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What a walk has to remember when it is interrupted: by a triangle seen edge-on, or by the driver, which may end all loops of an
-// invocation after 65,535 iterations without a word (Mesa before 23). Then the host lets it go on in another pass.
+// What a walk has to remember when it is interrupted: by a triangle seen edge-on, or by the driver, which may end all
+// loops of an invocation after 65,535 iterations without a word (Mesa before 23). Then the host lets it go on in
+// another pass.
 
 struct Walk {
   ivec2 at;        // where to go on; what the numbers mean is the layout's matter
