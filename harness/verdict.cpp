@@ -18,7 +18,8 @@
 namespace plumbline {
 namespace {
 
-constexpr std::size_t kKeptPerVerdict = 24;
+/// How many rays of each verdict are kept: more of those that somebody has to look at.
+std::size_t kept_of(Verdict verdict) { return is_failure(verdict) || verdict == Verdict::reference_wrong ? 24 : 6; }
 /// The smallest normal float: what the driver flushes to zero cannot be held against it.
 constexpr double kSmallest = 0x1p-126;
 
@@ -339,11 +340,14 @@ std::uint64_t Tally::rays() const {
 
 namespace {
 
-void merge_kept(Tally& into, const Tally& from) {
-  into.kept.insert(into.kept.end(), from.kept.begin(), from.kept.end());
-  std::stable_sort(into.kept.begin(), into.kept.end(), [](const JudgedRay& a, const JudgedRay& b) { return a.index < b.index; });
-  std::array<std::size_t, kVerdictCount> kept{};
-  std::erase_if(into.kept, [&](const JudgedRay& r) { return ++kept[static_cast<std::size_t>(r.judgement.verdict)] > kKeptPerVerdict; });
+/// Keeps the worst few of each verdict: those that used most of what 32 bits resolve, then the first.
+void prune(std::vector<JudgedRay>& kept) {
+  const auto ratio = [](const JudgedRay& r) { return r.judgement.bound > 0.0 ? r.judgement.margin / r.judgement.bound : 0.0; };
+  std::stable_sort(kept.begin(), kept.end(), [&](const JudgedRay& a, const JudgedRay& b) {
+    return ratio(a) != ratio(b) ? ratio(a) > ratio(b) : a.index < b.index;
+  });
+  std::array<std::size_t, kVerdictCount> count{};
+  std::erase_if(kept, [&](const JudgedRay& r) { return ++count[static_cast<std::size_t>(r.judgement.verdict)] > kept_of(r.judgement.verdict); });
 }
 
 void merge(Tally& into, const Tally& from) {
@@ -351,7 +355,8 @@ void merge(Tally& into, const Tally& from) {
   into.arbitrated += from.arbitrated;
   into.sampled += from.sampled;
   into.max_margin_ratio = std::max(into.max_margin_ratio, from.max_margin_ratio);
-  merge_kept(into, from);
+  into.kept.insert(into.kept.end(), from.kept.begin(), from.kept.end());
+  prune(into.kept);
 }
 
 }  // namespace
@@ -374,9 +379,11 @@ void judge_batch(const Judge& judge_data, std::span<const Ray> rays, std::span<c
           part.arbitrated += j.arbitrated;
           part.sampled += sample && j.arbitrated;
           if (j.verdict == Verdict::grazing && j.bound > 0.0) part.max_margin_ratio = std::max(part.max_margin_ratio, j.margin / j.bound);
-          if (j.verdict != Verdict::agree && ++kept[static_cast<std::size_t>(j.verdict)] <= kKeptPerVerdict)
+          const bool first_few = ++kept[static_cast<std::size_t>(j.verdict)] <= kept_of(j.verdict);
+          if (j.verdict == Verdict::grazing || (j.verdict != Verdict::agree && first_few))
             part.kept.push_back({index, rays[i], tracer[i], reference[i], std::move(j)});
         }
+        prune(part.kept);
         return part;
       },
       [](Tally a, const Tally& b) {

@@ -62,7 +62,7 @@ struct Tally {
   std::uint64_t arbitrated = 0;        ///< rays that exact arithmetic decided, the sample of agreeing rays included
   std::uint64_t sampled = 0;           ///< agreeing rays that were arbitrated all the same
   double max_margin_ratio = 0.0;       ///< largest margin over bound of the grazing rays
-  std::vector<JudgedRay> kept;         ///< the first few of each verdict but agree, lowest index first
+  std::vector<JudgedRay> kept;         ///< the worst few of each verdict but agree: grazing rays by margin over bound, others by number
   std::uint64_t rays() const;
   std::uint64_t operator[](Verdict verdict) const { return count[static_cast<std::size_t>(verdict)]; }
 };
