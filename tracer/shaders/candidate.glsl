@@ -11,7 +11,7 @@ struct Nearest {
   int pending;   // address of a triangle that is seen edge-on and waits for resolve_pending; -1 where there is none
 };
 
-Nearest nearest;
+PRECISE Nearest nearest;
 
 void offer(bool hit, float t, float label, int address, vec2 weights) {
   if (hit && t > ray.t_low && (t < nearest.t || (t == nearest.t && label < nearest.label))) {

@@ -55,7 +55,8 @@ void write_unfinished() {
 void write_result(float t_max) {
   bool hit = walk.ended && nearest.label < NO_LABEL;
   vec4 p0 = primitive_0(nearest.address), p1 = primitive_1(nearest.address);
-  vec3 position = vec3(0.0), normal = vec3(0.0);
+  PRECISE vec3 position = vec3(0.0);
+  PRECISE vec3 normal = vec3(0.0);
 #ifdef HAS_SPHERES
   normal = sphere_normal(p0.xyz, nearest.t);
   position = p0.xyz + p1.x * normal;

@@ -19,7 +19,9 @@ struct WalkRay {
   bool too_far;  // true: the origin is so far away that only the thorough program moves it near enough
 };
 
-WalkRay ray;
+// All arithmetic that leads to a walking ray or a hit is done as written: programs of other variants, compiled with other code around it, must come
+// to the same bits.
+PRECISE WalkRay ray;
 
 // The components in an order that puts the ray's largest last, keeping the handedness.
 vec3 permute(vec3 v) { return ray.axis == 0 ? v.yzx : ray.axis == 1 ? v.zxy : v.xyz; }
