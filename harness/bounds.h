@@ -17,6 +17,7 @@ struct BoundsContext {
   Ball ball;
   double longest_edge = 0.0;       ///< of all triangles; 0 without triangles
   double smallest_radius = 0.0;    ///< of all spheres; 0 without spheres
+  double largest_radius = 0.0;     ///< likewise
 };
 BoundsContext make_bounds_context(const Scene& scene);
 

@@ -125,7 +125,8 @@ Outcome examine(const Scene& scene, std::size_t count) {
             const ValueBounds b = value_bounds(stage.judge.bounds, rays[i], hits[i].primitive, truth.t);
             const double dt = std::abs(hits[i].t - truth.t);
             const glm::dvec2 dw = glm::abs(glm::dvec2(hits[i].barycentrics) - truth.barycentrics);
-            const double ratio = std::max({dt / b.t, glm::length(glm::dvec3(hits[i].position) - truth.position) / b.position,
+            const bool numbers = std::isfinite(hits[i].t) && glm::length(hits[i].position) < 1e30f && glm::length(hits[i].normal) < 2.0f && dw.x + dw.y < 4.0;
+            const double ratio = !numbers ? INFINITY : std::max({dt / b.t, glm::length(glm::dvec3(hits[i].position) - truth.position) / b.position,
                                            glm::length(glm::dvec3(hits[i].normal) - truth.normal) / b.normal,
                                            b.barycentrics > 0.0 ? std::max(dw.x, dw.y) / b.barycentrics : std::max(dw.x, dw.y) * 1e30});
             ++o.hits;

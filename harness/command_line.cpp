@@ -106,13 +106,14 @@ int run(const Arguments& a, RunOptions options, const CatalogueOptions& catalogu
   return exit_status(run_cases(select_cases(make_catalogue(catalogue), a.patterns), options));
 }
 
-int check(const Arguments& a, const RunOptions& options) {
+int check(const Arguments& a, RunOptions options) {
   Arguments arguments = a;
   arguments.history = "none";
   const Scene scene = load_scene(a.scene);
   for (const std::string& warning : scene.warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
   if (scene.primitive_count() == 0) throw InputError(a.scene + ": nothing to trace in this scene");
   const ListedScene listed{scene.name, a.scene, false, !scene.spheres.empty()};
+  options.replay = "./plumbline check " + quoted(a.scene);
   return run(arguments, options, catalogue_options({listed}, a.rays ? a.rays : 1 << 16, 0));
 }
 
@@ -202,6 +203,7 @@ int dispatch(int argc, char** argv) {
 
   CLI::App* check_sub = app.add_subcommand("check", "Examine your own scene: every ray family, every variant, brute force");
   check_sub->add_option("SCENE", a.scene, "Scene file or generator")->required();
+  check_sub->add_option("PATTERN", a.patterns, "Cases of the scene, as `run` names them; all if none");
   check_sub->add_option("--seed", a.seed, "Seed of all rays")->capture_default_str();
   add_run_options(check_sub);
 

@@ -45,12 +45,18 @@ std::string machine() {
   return model + ", " + std::to_string(std::thread::hardware_concurrency()) + " cores";
 }
 
+/// The command that begins a run and the one that goes on with it differ in this alone.
+std::string without_resume(std::string command) {
+  if (const std::size_t at = command.find(" --resume"); at != std::string::npos) command.erase(at, 9);
+  return command;
+}
+
 CaseRecord run_case(const Case& c, CaseContext& context, const RunOptions& options) {
   CaseRecord record;
   record.name = c.name, record.feature = c.feature, record.scene = c.scene, record.family = c.family;
   record.proves = c.proves, record.paper = c.paper;
   record.seed = case_seed(options.seed, c.name);
-  record.replay = "./plumbline run " + c.name + " --seed " + std::to_string(options.seed) + (c.rays ? " --rays " + std::to_string(c.rays) : "");
+  record.replay = options.replay + " " + c.name + " --seed " + std::to_string(options.seed) + (c.rays ? " --rays " + std::to_string(c.rays) : "");
   const auto start = Clock::now();
   try {
     c.run(context, c, record);
@@ -104,7 +110,8 @@ RunRecord run_cases(const std::vector<Case>& all, const RunOptions& options) {
     if (!options.resume) return Journal::begin(options.out, run);
     RunRecord earlier;
     Journal opened = Journal::resume(options.out, earlier);
-    if (earlier.seed != run.seed || earlier.commit != run.commit || earlier.planned_cases != run.planned_cases)
+    if (earlier.seed != run.seed || earlier.commit != run.commit || earlier.planned_cases != run.planned_cases ||
+        without_resume(earlier.command) != without_resume(run.command))
       throw InputError(options.out.string() + " holds another run (seed " + std::to_string(earlier.seed) + ", commit " + earlier.commit + ", " +
                        std::to_string(earlier.planned_cases) + " cases); resume it with the command that began it, `" + earlier.command + "`, or choose another --out");
     run.started = earlier.started;
@@ -139,10 +146,14 @@ RunRecord run_cases(const std::vector<Case>& all, const RunOptions& options) {
 
   ReportOptions report;
   if (!options.history.empty()) {
-    History history(options.history);
-    report.changes = history.changes_since_last(run);
-    report.past = history.last_runs(30);
-    history.append_run(run);
+    try {
+      History history(options.history);
+      report.changes = history.changes_since_last(run);
+      report.past = history.last_runs(30);
+      history.append_run(run);
+    } catch (const std::exception& error) {  // the run's own report matters more
+      std::fprintf(stderr, "plumbline: the history is left out: %s\n", error.what());
+    }
   }
   write_report(run, options.out, report);
   if (!options.quiet) {

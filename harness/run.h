@@ -21,6 +21,7 @@ struct RunOptions {
   double budget_seconds = 0.0;       ///< 0: none; cases not begun when it is spent are left out and said to be
   std::filesystem::path history;     ///< database of earlier runs; empty: none
   bool quiet = false;                ///< no progress, no summary
+  std::string replay = "./plumbline run";  ///< what a case's name is put behind to repeat it
 };
 
 /// Runs the cases and writes cases.jsonl (as it goes), results.json, junit.xml, report.md and index.html into options.out.
@@ -30,7 +31,7 @@ RunRecord run_cases(const std::vector<Case>& cases, const RunOptions& options);
 /// 0 where everything passed, 1 where a case failed, ended in an error or was left out.
 int exit_status(const RunRecord& run);
 
-/// "1 2 3" in lines, with seeds and versions: what every run begins with.
+/// What every run begins with: version, commit, seed, time, machine.
 RunRecord begin_record(const RunOptions& options);
 
 }  // namespace plumbline

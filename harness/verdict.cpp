@@ -10,6 +10,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <set>
 
 #include "reference/exact_values.h"
 #include "scenes/error.h"
@@ -56,7 +57,7 @@ class Picture {
  public:
   Picture(const Judge& judge, const Ray& ray) : judge_(judge), ray_(ray), length_(glm::length(glm::dvec3(ray.direction))) {
     const double reach = lateral_bound_of_scene(judge.bounds, ray);
-    const double slack = (2.0 * judge.bounds.longest_edge + 2.0 * reach) / length_;
+    const double slack = (2.0 * judge.bounds.longest_edge + 2.0 * reach + 2.0 * std::sqrt(2.0 * judge.bounds.largest_radius * reach + reach * reach)) / length_;
     crossings_ = judge.arbiter->crossings(ray, reach, slack);
   }
 
@@ -141,21 +142,27 @@ class Picture {
     for (const Crossing& c : crossings_)
       if (judge_.scene->is_triangle(c.primitive) && std::abs(c.margin) <= lateral_bound(judge_.bounds, ray_, c.primitive)) near.push_back(&c);
     std::map<std::uint32_t, std::vector<const Crossing*>> skipped;  // by closed component
+    std::set<std::uint32_t> uncertain;                              // components whose number of crossings is not certain
     for (const Crossing& x : crossings_) {
       if (!x.hit || !is_in_closed_surface(x.primitive) || x.primitive == primitive || !is_within(x, t)) continue;
       const std::vector<const Crossing*> patch = patch_of(x, near);
-      if (std::any_of(patch.begin(), patch.end(), [&](const Crossing* c) { return c->primitive == primitive || !is_within(*c, t); })) return nullptr;
+      if (std::any_of(patch.begin(), patch.end(), [&](const Crossing* c) { return c->primitive == primitive || !is_within(*c, t); })) {
+        uncertain.insert(judge_.topology->component[x.primitive]);
+        continue;
+      }
       if (std::all_of(patch.begin(), patch.end(), [&](const Crossing* c) { return side_of(*c) == side_of(x); })) return &x;
       skipped[judge_.topology->component[x.primitive]].push_back(&x);
     }
-    if (skipped.empty() || std::any_of(near.begin(), near.end(), [](const Crossing* c) { return c->facing == 0; })) return nullptr;
+    for (const Crossing* c : near)
+      if (c->facing == 0 && is_in_closed_surface(c->primitive)) uncertain.insert(judge_.topology->component[c->primitive]);
     for (const Crossing& c : crossings_) {
       if (c.primitive == primitive || !is_in_closed_surface(c.primitive)) continue;
       const double bound = dt(c);
-      if (std::abs(c.t) <= bound || std::abs(c.t - ray_.t_max) <= bound || std::abs(c.t - t) <= bound) return nullptr;
+      if (std::abs(c.t) <= bound || std::abs(c.t - ray_.t_max) <= bound || std::abs(c.t - t) <= bound)
+        uncertain.insert(judge_.topology->component[c.primitive]);
     }
     for (const auto& [component, list] : skipped)
-      if (crosses_oddly(list)) return list.front();
+      if (!uncertain.count(component) && crosses_oddly(list)) return list.front();
     return nullptr;
   }
 
@@ -194,6 +201,25 @@ class Picture {
       count += !same_point;
     }
     return count % 2 == 1;
+  }
+
+  /// What is wrong with the values of an answer that is not the exact one; empty if nothing is. On a primitive that the line meets all of them are known.
+  /// Where it passes by, t is known to within the primitive's bound, the normal of a triangle too, and weights lie in [0, 1].
+  std::string value_error_beside(const Hit& hit) const {
+    if (hit.kind != HitKind::hit) return {};
+    const Crossing* c = find(hit.primitive);
+    if (!c) return "its primitive is not near the ray";
+    if (c->on_line && judge_.scene->is_triangle(hit.primitive)) {
+      const ReferenceHit truth = exact_hit(*judge_.scene, ray_, hit.primitive);
+      return value_outside_bound(value_bounds(judge_.bounds, ray_, hit.primitive, truth.t), hit, truth);
+    }
+    const ValueBounds b = value_bounds(judge_.bounds, ray_, hit.primitive, c->t);
+    const glm::dvec3 at = glm::dvec3(ray_.origin) + static_cast<double>(hit.t) * glm::dvec3(ray_.direction);
+    const double beside = glm::length(glm::dvec3(hit.position) - at), allowed = b.position + (b.t + 4.0 * 0x1p-24 * std::abs(c->t)) * length_ + std::abs(c->margin);
+    if (!(beside <= allowed + kSmallest)) return "its position lies beside the ray";
+    if (!(std::abs(glm::length(glm::dvec3(hit.normal)) - 1.0) <= 0x1p-20)) return "its normal is not of unit length";
+    if (!(hit.barycentrics.x >= 0.0f && hit.barycentrics.y >= 0.0f && hit.barycentrics.x + hit.barycentrics.y <= 1.0f + 0x1p-20f)) return "its weights lie outside the triangle";
+    return {};
   }
 
   std::string describe_truth() const {
@@ -280,6 +306,11 @@ Judgement arbitrate(const Judge& judge, const Ray& ray, const Hit& tracer, const
     if (const Crossing* x = picture.leaked(tracer.kind, tracer.primitive)) {
       j.verdict = Verdict::leak;
       j.reason = "The ray slipped through the closed surface at triangle " + std::to_string(x->primitive) + ".";
+      return j;
+    }
+    if (const std::string error = picture.value_error_beside(tracer); !error.empty()) {
+      j.verdict = Verdict::tracer_wrong;
+      j.reason = "The tracer's primitive is within rounding of the exact one, but " + error + ".";
       return j;
     }
     j.verdict = Verdict::grazing;
