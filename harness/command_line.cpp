@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cctype>
 #include <cstdio>
 #include <ctime>
 #include <exception>
@@ -25,6 +26,21 @@
 
 namespace plumbline {
 namespace {
+
+/// Digits alone: CLI11 would read "-1" as 2^64 - 1.
+const CLI::Validator kSeed(
+    [](std::string& text) {
+      const bool digits = !text.empty() && text.size() <= 19 && text.find_first_not_of("0123456789") == std::string::npos;
+      return digits ? std::string() : "'" + text + "' is no seed; a seed is a whole number of at most 19 digits";
+    },
+    "");
+
+/// A scene's name as it can stand in case names.
+std::string name_part(std::string name) {
+  for (char& c : name)
+    if (!std::isalnum(static_cast<unsigned char>(c)) && c != '_') c = '_';
+  return name.empty() ? "scene" : name;
+}
 
 constexpr std::uint64_t kNightlyRays = 21'000'000;
 
@@ -112,7 +128,7 @@ int check(const Arguments& a, RunOptions options) {
   const Scene scene = load_scene(a.scene);
   for (const std::string& warning : scene.warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
   if (scene.primitive_count() == 0) throw InputError(a.scene + ": nothing to trace in this scene");
-  const ListedScene listed{scene.name, a.scene, false, !scene.spheres.empty()};
+  const ListedScene listed{name_part(scene.name), a.scene, false, !scene.spheres.empty()};
   options.replay = "./plumbline check " + quoted(a.scene);
   return run(arguments, options, catalogue_options({listed}, a.rays ? a.rays : 1 << 16, 0));
 }
@@ -181,7 +197,7 @@ int dispatch(int argc, char** argv) {
              "A SCENE is a file (.nff, .obj) or a generator such as sphereflake:4.");
   const auto add_run_options = [&](CLI::App* sub) {
     sub->add_option("--out", a.out, "Folder for the report")->capture_default_str();
-    sub->add_option("--rays", a.rays, "Rays for each family and scene")->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40));
+    sub->add_option("--rays", a.rays, "Rays for each family and scene")->check(CLI::Range(std::uint64_t{1}, std::uint64_t{10'000'000'000}));
     sub->add_flag("--resume", a.resume, "Go on with the run in --out: cases that ended there are not run again");
     sub->add_option("--shard", a.shard, "I/N: run the I-th of N parts of the catalogue");
     sub->add_option("--history", a.history, "Database of earlier runs, or `none`");
@@ -189,7 +205,7 @@ int dispatch(int argc, char** argv) {
 
   CLI::App* nightly = app.add_subcommand("nightly", "Run everything, over 20 million rays, and write the report");
   add_run_options(nightly);
-  auto* nightly_seed = nightly->add_option("--seed", a.seed, "Seed of all rays; the date if not given");
+  auto* nightly_seed = nightly->add_option("--seed", a.seed, "Seed of all rays; the date if not given")->check(kSeed);
   nightly->add_option("--budget", a.budget, "Begin no case after this time, such as 20m; what is left out is said");
 
   CLI::App* list = app.add_subcommand("list", "List cases and what each proves");
@@ -197,14 +213,14 @@ int dispatch(int argc, char** argv) {
 
   CLI::App* run_sub = app.add_subcommand("run", "Run cases, such as `run hits.camera` or `run '*.creature'`");
   run_sub->add_option("PATTERN", a.patterns, "Names, prefixes or patterns with * and ?; all cases if none");
-  run_sub->add_option("--seed", a.seed, "Seed of all rays; the same seed repeats a run bit for bit")->capture_default_str();
+  run_sub->add_option("--seed", a.seed, "Seed of all rays; the same seed repeats a run bit for bit")->check(kSeed)->capture_default_str();
   run_sub->add_option("--budget", a.budget, "Begin no case after this time, such as 5m; what is left out is said");
   add_run_options(run_sub);
 
   CLI::App* check_sub = app.add_subcommand("check", "Examine your own scene: every ray family, every variant, brute force");
   check_sub->add_option("SCENE", a.scene, "Scene file or generator")->required();
   check_sub->add_option("PATTERN", a.patterns, "Cases of the scene, as `run` names them; all if none");
-  check_sub->add_option("--seed", a.seed, "Seed of all rays")->capture_default_str();
+  check_sub->add_option("--seed", a.seed, "Seed of all rays")->check(kSeed)->capture_default_str();
   add_run_options(check_sub);
 
   CLI::App* explain_sub = app.add_subcommand("explain", "Tell of one ray what both tracers and exact arithmetic answer");
@@ -228,8 +244,14 @@ int dispatch(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    const int code = app.exit(error);
-    return code == 0 ? 0 : 2;
+    if (error.get_exit_code() == 0) return app.exit(error);
+    // CLI11 forgets which word it did not know.
+    const std::string word = argc > 1 ? argv[1] : "";
+    const std::vector<CLI::App*> subs = app.get_subcommands({});
+    const bool known = std::any_of(subs.begin(), subs.end(), [&](const CLI::App* sub) { return sub->get_name() == word; });
+    if (word.empty()) throw InputError("say what to do: nightly, run, list, check, explain, ...; see `plumbline --help`");
+    if (!known && word.front() != '-') throw InputError("there is no command '" + word + "'; see `plumbline --help`");
+    throw InputError(std::string(error.what()) + "; see `plumbline " + (known ? word + " " : "") + "--help`");
   }
   RunOptions options;
   options.command = joined(argc, argv);

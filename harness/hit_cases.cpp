@@ -92,8 +92,7 @@ void record_tally(const Tally& tally, const std::string& spec, CaseRecord& recor
     r.replay = "./plumbline explain " + quoted(spec) + " --ray=" + ray_argument(kept.ray);
     record.worst.push_back(std::move(r));
   }
-  record.figures.push_back({"arbitrated", "rays", static_cast<double>(tally.arbitrated)});
-  record.figures.push_back({"agreeing rays arbitrated as a sample", "rays", static_cast<double>(tally.sampled)});
+  record.message = std::to_string(tally.arbitrated) + " rays went to exact arithmetic, " + std::to_string(tally.sampled) + " of them by chance";
 }
 
 std::uint64_t grazing_budget(const Stage& stage, RayFamily family, std::uint64_t rays) {
@@ -117,10 +116,10 @@ std::uint64_t grazing_budget(const Stage& stage, RayFamily family, std::uint64_t
 }
 
 void conclude(const Tally& tally, std::uint64_t budget, CaseRecord& record) {
-  std::string message;
+  std::string message = record.message;
   const auto complain = [&](const std::string& text) {
+    message = record.status == CaseStatus::failed ? message + "; " + text : text;
     record.status = CaseStatus::failed;
-    message += (message.empty() ? "" : "; ") + text;
   };
   for (const Verdict v : {Verdict::tracer_wrong, Verdict::leak, Verdict::capped})
     if (tally[v] > 0) complain(std::to_string(tally[v]) + " of " + std::to_string(tally.rays()) + " rays: " + std::string(verdict_name(v)));

@@ -107,7 +107,15 @@ RunRecord run_cases(const std::vector<Case>& all, const RunOptions& options) {
   std::set<std::string> done;
   double spent_before = 0.0;
   Journal journal = [&] {
-    if (!options.resume) return Journal::begin(options.out, run);
+    if (!options.resume) {
+      Journal begun = Journal::begin(options.out, run);
+      // What an earlier run left must not stand for this one, should it be killed.
+      for (const char* old : {"index.html", "results.json", "junit.xml", "report.md"}) {
+        std::error_code ignored;
+        std::filesystem::remove(options.out / old, ignored);
+      }
+      return begun;
+    }
     RunRecord earlier;
     Journal opened = Journal::resume(options.out, earlier);
     if (earlier.seed != run.seed || earlier.commit != run.commit || earlier.planned_cases != run.planned_cases ||

@@ -3,6 +3,8 @@
 
 #include <cstdlib>
 
+#include "scenes/error.h"
+
 namespace plumbline {
 
 std::filesystem::path data_folder() {
@@ -46,6 +48,8 @@ std::vector<ListedScene> real_scenes() {
   };
   std::vector<ListedScene> scenes;
   const std::filesystem::path folder = data_folder();
+  if (const char* set = std::getenv("PLUMBLINE_DATA"); set && *set && !std::filesystem::is_directory(folder))
+    throw InputError("PLUMBLINE_DATA names " + folder.string() + ", which is no folder; mend or unset it");
   for (auto [scene, file] : known) {
     const auto path = folder / file;
     std::error_code ignored;

@@ -214,8 +214,11 @@ class Picture {
       return value_outside_bound(value_bounds(judge_.bounds, ray_, hit.primitive, truth.t), hit, truth);
     }
     const ValueBounds b = value_bounds(judge_.bounds, ray_, hit.primitive, c->t);
-    const glm::dvec3 at = glm::dvec3(ray_.origin) + static_cast<double>(hit.t) * glm::dvec3(ray_.direction);
-    const double beside = glm::length(glm::dvec3(hit.position) - at), allowed = b.position + (b.t + 4.0 * 0x1p-24 * std::abs(c->t)) * length_ + std::abs(c->margin);
+    const double t = is_other_root(*c, hit.t) ? (c->t == c->t_enter ? c->t_leave : c->t_enter) : c->t;
+    const bool overflow = std::isinf(hit.t) && t + b.t > static_cast<double>(std::numeric_limits<float>::max());
+    if (!overflow && !(std::abs(hit.t - t) <= b.t + kSmallest)) return "its t is not that of the primitive";
+    const glm::dvec3 at = glm::dvec3(ray_.origin) + t * glm::dvec3(ray_.direction);
+    const double beside = glm::length(glm::dvec3(hit.position) - at), allowed = b.position + b.t * length_ + std::abs(c->margin);
     if (!(beside <= allowed + kSmallest)) return "its position lies beside the ray";
     if (!(std::abs(glm::length(glm::dvec3(hit.normal)) - 1.0) <= 0x1p-20)) return "its normal is not of unit length";
     if (!(hit.barycentrics.x >= 0.0f && hit.barycentrics.y >= 0.0f && hit.barycentrics.x + hit.barycentrics.y <= 1.0f + 0x1p-20f)) return "its weights lie outside the triangle";

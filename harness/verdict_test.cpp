@@ -38,7 +38,7 @@ Hit tracer_hit(const Scene& scene, const Ray& ray, std::uint32_t primitive) {
   const ReferenceHit truth = exact_hit(scene, ray, primitive);
   Hit h;
   h.kind = HitKind::hit, h.primitive = primitive;
-  h.t = static_cast<float>(truth.t), h.position = truth.position, h.normal = truth.normal, h.barycentrics = truth.barycentrics;
+  h.t = static_cast<float>(truth.t), h.position = truth.position, h.normal = truth.normal, h.barycentrics = glm::max(truth.barycentrics, 0.0);  // the tracer's are never negative
   return h;
 }
 
@@ -84,6 +84,9 @@ TEST_CASE("A hair beside the edge is grazing, a thousandth beside it is wrong") 
   CHECK(j.verdict == Verdict::grazing);
   CHECK(j.margin > 0.0);
   CHECK(j.margin < j.bound);
+  Hit nonsense = tracer_hit(b.scene, hair, 1);
+  nonsense.normal = glm::vec3(std::nanf(""));
+  CHECK(judge(b.judge, hair, nonsense, reference_hit(b.scene, hair, 0)).verdict == Verdict::tracer_wrong);
   const Ray wide{{0.501f, 0.5f, 2.0f}, {0, 0, -1}};
   CHECK(judge(b.judge, wide, tracer_hit(b.scene, wide, 1), reference_hit(b.scene, wide, 0)).verdict == Verdict::tracer_wrong);
   CHECK(judge(b.judge, wide, tracer_hit(b.scene, wide, 0), reference_hit(b.scene, wide, 1)).verdict == Verdict::reference_wrong);

@@ -70,9 +70,10 @@ Scene load_scene(std::string_view spec) {
   if (find_generator(name) != nullptr) {
     if (colon == spec.npos) return generate_scene(name);
     const auto size = parse_integer(spec.substr(colon + 1));
-    if (!size || *size < 0 || *size > 1'000'000'000) {
-      throw InputError(shown(spec) + ": the size must be a whole number, as in \"" + std::string(name) + ":" +
-                       std::to_string(find_generator(name)->default_size) + "\"");
+    const Generator& generator = *find_generator(name);
+    if (!size || *size < generator.min_size || *size > generator.max_size) {
+      throw InputError(shown(spec) + ": the size must be a whole number from " + std::to_string(generator.min_size) + " to " +
+                       std::to_string(generator.max_size) + ", as in \"" + std::string(name) + ":" + std::to_string(generator.default_size) + "\"");
     }
     return generate_scene(name, static_cast<int>(*size));
   }
