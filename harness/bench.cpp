@@ -2,11 +2,11 @@
 #include "harness/bench.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "harness/clock.h"
 #include "harness/hit_cases.h"
 #include "harness/scene_list.h"
 #include "harness/session.h"
@@ -16,9 +16,6 @@
 
 namespace plumbline {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 constexpr int kFrame = 512;  ///< pixels, each way
 
@@ -38,7 +35,8 @@ struct Race {
   double steps = 0.0, tests = 0.0;            ///< per ray
 };
 
-Race race(Probe& probe, const EmbreeScene& embree, const std::vector<Ray>& rays, int rounds, const std::function<void(int)>& tick) {
+Race race(Probe& probe, const EmbreeScene& embree, const std::vector<Ray>& rays, int rounds,
+          const std::function<void(int)>& tick) {
   Race r;
   std::vector<Hit> hits(rays.size());
   probe.trace(rays, hits);  // warm: the driver compiles on first use
@@ -75,7 +73,9 @@ class Bench {
 
   std::vector<Metric> run() {
     std::vector<ListedScene> scenes = own_scenes();
-    std::erase_if(scenes, [](const ListedScene& s) { return s.name != "sphereflake_3" && s.name != "sphereflake_4" && s.name != "creature"; });
+    std::erase_if(scenes, [](const ListedScene& s) {
+      return s.name != "sphereflake_3" && s.name != "sphereflake_4" && s.name != "creature";
+    });
     for (const ListedScene& s : real_scenes())
       if (s.name == "bunny" || s.name == "medieval") scenes.push_back(s);
     const double parts = static_cast<double>(scenes.size()) + 2.0;
@@ -93,21 +93,27 @@ class Bench {
   }
 
  private:
-  void add(const std::string& name, const std::string& unit, std::vector<double> values) { metrics_.push_back(make_metric(name, unit, std::move(values))); }
+  void add(const std::string& name, const std::string& unit, std::vector<double> values) {
+    metrics_.push_back(make_metric(name, unit, std::move(values)));
+  }
 
-  Race race_of(const std::string& name, Probe& probe, const Stage& stage, const std::vector<Ray>& rays, double from, double to) {
-    return race(probe, stage.embree, rays, options_.rounds,
-                [&](int i) { options_.progress(base_ + width_ * (from + (to - from) * (i + 1) / options_.rounds), name); });
+  Race race_of(const std::string& name, Probe& probe, const Stage& stage, const std::vector<Ray>& rays, double from,
+               double to) {
+    return race(probe, stage.embree, rays, options_.rounds, [&](int i) {
+      options_.progress(base_ + width_ * (from + (to - from) * (i + 1) / options_.rounds), name);
+    });
   }
 
   void of_scene(const ListedScene& scene) {
     Stage& stage = session_.stage(scene.spec);
     std::vector<Ray> random(kFrame * kFrame);
     generate_rays_parallel(stage.rays, RayFamily::chords, 1, 0, random);
-    const std::vector<std::pair<std::string, std::vector<Ray>>> kinds{{"primary", frame_rays(stage.scene)}, {"random", random}};
+    const std::vector<std::pair<std::string, std::vector<Ray>>> kinds{{"primary", frame_rays(stage.scene)},
+                                                                      {"random", random}};
     for (std::size_t k = 0; k < kinds.size(); ++k) {
       const auto& [kind, rays] = kinds[k];
-      const Race r = race_of(kind + " rays, " + scene.name, session_.probe(stage), stage, rays, 0.5 * static_cast<double>(k), 0.5 * static_cast<double>(k + 1));
+      const Race r = race_of(kind + " rays, " + scene.name, session_.probe(stage), stage, rays,
+                             0.5 * static_cast<double>(k), 0.5 * static_cast<double>(k + 1));
       add(kind + "_vs_embree." + scene.name, "ratio", r.ratio);
       add(kind + "_rays_per_second." + scene.name, "rays/s", r.tracer);
       add(kind + "_embree_rays_per_second." + scene.name, "rays/s", r.embree);
@@ -178,12 +184,14 @@ class Bench {
       }
       add("variant_vs_default." + all[v].name + "." + scene.name, "ratio", ratios);
       add("variant_steps." + all[v].name + "." + scene.name, "steps/ray", {steps / static_cast<double>(rays.size())});
-      options_.progress(base_ + width_ * static_cast<double>(v + 1) / static_cast<double>(all.size()), "variant " + all[v].name);
+      options_.progress(base_ + width_ * static_cast<double>(v + 1) / static_cast<double>(all.size()),
+                        "variant " + all[v].name);
     }
   }
 
   void bakes() {
-    for (const int size : options_.large ? std::vector<int>{10'000, 100'000, 1'000'000} : std::vector<int>{10'000, 100'000}) {
+    for (const int size :
+         options_.large ? std::vector<int>{10'000, 100'000, 1'000'000} : std::vector<int>{10'000, 100'000}) {
       options_.progress(base_ + 0.3 * width_, "bake of " + std::to_string(size) + " triangles");
       const Scene scene = generate_scene("grid", size);
       std::vector<double> seconds, memory;
@@ -226,10 +234,12 @@ std::vector<Metric> run_bench(const BenchOptions& options) { return Bench(option
 std::string bench_table(const std::vector<Metric>& metrics) {
   std::string text;
   char line[200];
-  std::snprintf(line, sizeof line, "%-48s %14s %14s %14s  %-10s %6s\n", "metric", "median", "min", "max", "unit", "rounds");
+  std::snprintf(line, sizeof line, "%-48s %14s %14s %14s  %-10s %6s\n", "metric", "median", "min", "max", "unit",
+                "rounds");
   text += line;
   for (const Metric& m : metrics) {
-    std::snprintf(line, sizeof line, "%-48s %14.6g %14.6g %14.6g  %-10s %6d\n", m.name.c_str(), m.median, m.min, m.max, m.unit.c_str(), m.rounds);
+    std::snprintf(line, sizeof line, "%-48s %14.6g %14.6g %14.6g  %-10s %6d\n", m.name.c_str(), m.median, m.min, m.max,
+                  m.unit.c_str(), m.rounds);
     text += line;
   }
   return text;
@@ -238,7 +248,12 @@ std::string bench_table(const std::vector<Metric>& metrics) {
 std::string bench_json(const std::vector<Metric>& metrics) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const Metric& m : metrics)
-    list.push_back({{"name", m.name}, {"unit", m.unit}, {"median", m.median}, {"min", m.min}, {"max", m.max}, {"rounds", m.rounds}});
+    list.push_back({{"name", m.name},
+                    {"unit", m.unit},
+                    {"median", m.median},
+                    {"min", m.min},
+                    {"max", m.max},
+                    {"rounds", m.rounds}});
   return nlohmann::ordered_json{{"metrics", list}}.dump(2) + "\n";
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How fast: the production tracer against Embree's rtcIntersect1 on the same rays and the same cores, interleaved round by round in one
-// process, so that a machine whose speed drifts does not tell a wrong ratio.
+// How fast: the production tracer against Embree's rtcIntersect1 on the same rays and the same cores, interleaved round
+// by round in one process, so that a machine whose speed drifts does not tell a wrong ratio.
 #pragma once
 
 #include <functional>
@@ -21,9 +21,9 @@ struct Metric {
 Metric make_metric(const std::string& name, const std::string& unit, std::vector<double> values);
 
 struct BenchOptions {
-  int rounds = 7;             ///< at least 5 for figures that are quoted
-  bool variants = true;       ///< the variants side by side
-  bool large = true;          ///< the scene of a million triangles
+  int rounds = 7;        ///< at least 5 for figures that are quoted
+  bool variants = true;  ///< the variants side by side
+  bool large = true;     ///< the scene of a million triangles
   std::function<void(double, const std::string&)> progress = [](double, const std::string&) {};
 };
 

@@ -22,7 +22,8 @@ constexpr std::size_t kHits = 10'000'000;
 constexpr std::size_t kBatch = 1 << 18;
 constexpr std::uint32_t kPrimitives = 2000;
 
-/// Triangles from equilateral to needles of 1 : 10^4, sizes over four decades, strewn far enough apart that most rays see the one they are aimed at.
+/// Triangles from equilateral to needles of 1 : 10^4, sizes over four decades, strewn far enough apart that most rays
+/// see the one they are aimed at.
 Scene random_triangles() {
   Scene scene;
   scene.name = "random_triangles";
@@ -32,7 +33,8 @@ Scene random_triangles() {
     const glm::dvec3 center = 100.0 * random.direction() * std::cbrt(random.uniform());
     const double size = std::pow(10.0, random.uniform(-3.0, 1.0)), thin = std::pow(10.0, -random.uniform(0.0, 4.0));
     const glm::dvec3 a = random.direction(), b = glm::normalize(glm::cross(a, random.direction()));
-    for (const glm::dvec3& corner : {center, center + size * a, center + size * random.uniform() * a + size * thin * b}) scene.positions.emplace_back(corner);
+    for (const glm::dvec3& corner : {center, center + size * a, center + size * random.uniform() * a + size * thin * b})
+      scene.positions.emplace_back(corner);
     scene.triangles.push_back({{3 * i, 3 * i + 1, 3 * i + 2}});
   }
   return scene;
@@ -50,7 +52,8 @@ Scene random_spheres() {
   return scene;
 }
 
-/// A ray at a random point of a random primitive, from near and far, straight on and at grazing angles, with directions of any length.
+/// A ray at a random point of a random primitive, from near and far, straight on and at grazing angles, with directions
+/// of any length.
 Ray aimed_ray(const Scene& scene, std::uint64_t index) {
   Random random(2, name_hash(scene.name), index);
   const std::uint32_t p = random.below(scene.primitive_count());
@@ -76,7 +79,8 @@ Ray aimed_ray(const Scene& scene, std::uint64_t index) {
     direction = glm::normalize(glm::normalize(glm::cross(normal, direction)) + rise * normal);
   }
   if (glm::dot(direction, normal) > 0.0) direction = -direction;
-  const double distance = size * std::pow(10.0, random.uniform(-1.0, 4.0)), length = std::pow(2.0, random.uniform(-20.0, 20.0));
+  const double distance = size * std::pow(10.0, random.uniform(-1.0, 4.0)),
+               length = std::pow(2.0, random.uniform(-20.0, 20.0));
   return {glm::vec3(target - distance * direction), glm::vec3(length * direction)};
 }
 
@@ -99,7 +103,8 @@ Outcome combine(Outcome a, const Outcome& b) {
 
 /// How far away the hit is, in units of t: what errors of t are relative to.
 double distance_scale(const BoundsContext& context, const Ray& ray, double t) {
-  const double reach = std::min(glm::length(glm::dvec3(ray.origin) - context.ball.center), 2.0 * context.ball.radius) + context.ball.radius;
+  const double reach = std::min(glm::length(glm::dvec3(ray.origin) - context.ball.center), 2.0 * context.ball.radius) +
+                       context.ball.radius;
   return reach / glm::length(glm::dvec3(ray.direction)) + std::abs(t);
 }
 
@@ -125,10 +130,14 @@ Outcome examine(const Scene& scene, std::size_t count) {
             const ValueBounds b = value_bounds(stage.judge.bounds, rays[i], hits[i].primitive, truth.t);
             const double dt = std::abs(hits[i].t - truth.t);
             const glm::dvec2 dw = glm::abs(glm::dvec2(hits[i].barycentrics) - truth.barycentrics);
-            const bool numbers = std::isfinite(hits[i].t) && glm::length(hits[i].position) < 1e30f && glm::length(hits[i].normal) < 2.0f && dw.x + dw.y < 4.0;
-            const double ratio = !numbers ? INFINITY : std::max({dt / b.t, glm::length(glm::dvec3(hits[i].position) - truth.position) / b.position,
-                                           glm::length(glm::dvec3(hits[i].normal) - truth.normal) / b.normal,
-                                           b.barycentrics > 0.0 ? std::max(dw.x, dw.y) / b.barycentrics : std::max(dw.x, dw.y) * 1e30});
+            const bool numbers = std::isfinite(hits[i].t) && glm::length(hits[i].position) < 1e30f &&
+                                 glm::length(hits[i].normal) < 2.0f && dw.x + dw.y < 4.0;
+            const double ratio =
+                !numbers ? INFINITY
+                         : std::max({dt / b.t, glm::length(glm::dvec3(hits[i].position) - truth.position) / b.position,
+                                     glm::length(glm::dvec3(hits[i].normal) - truth.normal) / b.normal,
+                                     b.barycentrics > 0.0 ? std::max(dw.x, dw.y) / b.barycentrics
+                                                          : std::max(dw.x, dw.y) * 1e30});
             ++o.hits;
             o.outside += !(ratio <= 1.0);
             o.worst = std::max(o.worst, ratio);
@@ -148,11 +157,16 @@ void check_bounds(const Scene& scene, std::size_t count) {
   std::sort(o.ratios.begin(), o.ratios.end());
   std::sort(o.sizes.begin(), o.sizes.end());
   const double median = o.ratios[o.ratios.size() / 2], typical = o.sizes[o.sizes.size() / 2];
-  const double caught = static_cast<double>(std::lower_bound(o.sizes.begin(), o.sizes.end(), 64.0 * typical) - o.sizes.begin()) / static_cast<double>(o.sizes.size());
-  WARN(scene.name << ": " << o.hits << " hits, largest error " << o.worst << " of its bound; t: median error " << median << " of its bound, typical bound " << typical / 0x1p-24
-                  << " * 2^-24 of the distance, an error of 64 times that is outside the bound of " << 100.0 * caught << " % of the hits");
+  const double caught =
+      static_cast<double>(std::lower_bound(o.sizes.begin(), o.sizes.end(), 64.0 * typical) - o.sizes.begin()) /
+      static_cast<double>(o.sizes.size());
+  WARN(scene.name << ": " << o.hits << " hits, largest error " << o.worst << " of its bound; t: median error " << median
+                  << " of its bound, typical bound " << typical / 0x1p-24
+                  << " * 2^-24 of the distance, an error of 64 times that is outside the bound of " << 100.0 * caught
+                  << " % of the hits");
   CHECK(o.outside == 0);
-  // Not slack: the worst of so many hits comes near its bound; and an error of 64 times the typical bound is seen on nearly all hits, half of them grazing.
+  // Not slack: the worst of so many hits comes near its bound; and an error of 64 times the typical bound is seen on
+  // nearly all hits, half of them grazing.
   CHECK(o.worst > 1.0 / 16.0);
   CHECK(typical < 256.0 * 0x1p-24);
   CHECK(caught > 0.8);
@@ -160,6 +174,10 @@ void check_bounds(const Scene& scene, std::size_t count) {
 
 }  // namespace
 
-TEST_CASE("Bounds hold on millions of hits of triangles, and a gross error is outside them") { check_bounds(random_triangles(), kHits / 2); }
+TEST_CASE("Bounds hold on millions of hits of triangles, and a gross error is outside them") {
+  check_bounds(random_triangles(), kHits / 2);
+}
 
-TEST_CASE("Bounds hold on millions of hits of spheres, and a gross error is outside them") { check_bounds(random_spheres(), kHits / 2); }
+TEST_CASE("Bounds hold on millions of hits of spheres, and a gross error is outside them") {
+  check_bounds(random_spheres(), kHits / 2);
+}

@@ -29,7 +29,8 @@ bool matches(std::string_view pattern, std::string_view name) {
 
 bool selects(const std::string& pattern, const std::string& name) {
   if (pattern.find_first_of("*?") != std::string::npos) return matches(pattern, name);
-  return name == pattern || (name.size() > pattern.size() && name.compare(0, pattern.size(), pattern) == 0 && name[pattern.size()] == '.');
+  return name == pattern ||
+         (name.size() > pattern.size() && name.compare(0, pattern.size(), pattern) == 0 && name[pattern.size()] == '.');
 }
 
 }  // namespace
@@ -47,7 +48,9 @@ std::vector<Case> make_catalogue(const CatalogueOptions& options) {
   return cases;
 }
 
-std::uint64_t case_seed(std::uint64_t run_seed, const std::string& case_name) { return mix64(run_seed ^ name_hash(case_name)); }
+std::uint64_t case_seed(std::uint64_t run_seed, const std::string& case_name) {
+  return mix64(run_seed ^ name_hash(case_name));
+}
 
 std::vector<Case> select_cases(const std::vector<Case>& cases, const std::vector<std::string>& patterns) {
   if (patterns.empty()) return cases;
@@ -56,7 +59,8 @@ std::vector<Case> select_cases(const std::vector<Case>& cases, const std::vector
       throw InputError("no case matches '" + pattern + "'; `plumbline list` names them all");
   std::vector<Case> chosen;
   std::copy_if(cases.begin(), cases.end(), std::back_inserter(chosen), [&](const Case& c) {
-    return std::any_of(patterns.begin(), patterns.end(), [&](const std::string& pattern) { return selects(pattern, c.name); });
+    return std::any_of(patterns.begin(), patterns.end(),
+                       [&](const std::string& pattern) { return selects(pattern, c.name); });
   });
   return chosen;
 }

@@ -17,28 +17,30 @@ namespace plumbline {
 /// What a case is given beside the session.
 struct CaseContext {
   Session& session;
-  std::uint64_t seed = 0;                          ///< of the run; a case mixes its own name into it
-  std::filesystem::path out;                       ///< the run's folder; pictures go to out/pictures
+  std::uint64_t seed = 0;                                ///< of the run; a case mixes its own name into it
+  std::filesystem::path out;                             ///< the run's folder; pictures go to out/pictures
   std::function<void(double)> progress = [](double) {};  ///< share done, 0 to 1
 };
 
 struct Case {
-  std::string name;     ///< dotted and stable: "hits.aimed_edges.creature"
-  std::string feature;  ///< "hits", "driver", "layers", "variants", "bake"
-  std::string scene;    ///< name, or empty
-  std::string spec;     ///< what loads the scene, or empty
-  std::string family;   ///< of rays, or empty
-  std::string proves;   ///< one sentence
-  std::string paper;    ///< section of the paper, or empty
+  std::string name;        ///< dotted and stable: "hits.aimed_edges.creature"
+  std::string feature;     ///< "hits", "driver", "layers", "variants", "bake"
+  std::string scene;       ///< name, or empty
+  std::string spec;        ///< what loads the scene, or empty
+  std::string family;      ///< of rays, or empty
+  std::string proves;      ///< one sentence
+  std::string paper;       ///< section of the paper, or empty
   std::uint64_t rays = 0;  ///< that it will trace
-  std::function<void(CaseContext&, const Case&, CaseRecord&)> run;  ///< fills everything of the record that the case knows
+  std::function<void(CaseContext&, const Case&, CaseRecord&)>
+      run;  ///< fills everything of the record that the case knows
 };
 
 struct CatalogueOptions {
   std::vector<ListedScene> scenes;       ///< whose hits are compared
   std::uint64_t hits_rays = 1 << 14;     ///< per family and scene
   std::uint64_t variant_rays = 1 << 11;  ///< per family, variant and scene
-  std::uint64_t brute_force_tests = 40'000'000;  ///< primitive tests per scene in the brute-force layer, spread over all families
+  std::uint64_t brute_force_tests =
+      40'000'000;  ///< primitive tests per scene in the brute-force layer, spread over all families
 };
 
 /// Every case, in the order in which a run takes them: the driver first, then scene by scene.
@@ -47,8 +49,8 @@ std::vector<Case> make_catalogue(const CatalogueOptions& options);
 /// The seed that a case's rays are made of.
 std::uint64_t case_seed(std::uint64_t run_seed, const std::string& case_name);
 
-/// Cases whose names match one of the patterns: '*' and '?' as in a shell; a pattern without them matches a name or a dotted prefix of it. No patterns:
-/// all. Throws InputError for a pattern that matches nothing.
+/// Cases whose names match one of the patterns: '*' and '?' as in a shell; a pattern without them matches a name or a
+/// dotted prefix of it. No patterns: all. Throws InputError for a pattern that matches nothing.
 std::vector<Case> select_cases(const std::vector<Case>& cases, const std::vector<std::string>& patterns);
 
 // The makers of the catalogue's parts, one file each.

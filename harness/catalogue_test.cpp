@@ -42,7 +42,9 @@ TEST_CASE("Patterns select by prefix and by wildcard, and one that matches nothi
   const std::vector<Case> cases = catalogue();
   CHECK(select_cases(cases, {}).size() == cases.size());
   CHECK(select_cases(cases, {"hits.camera"}).size() == own_scenes().size());
-  CHECK(select_cases(cases, {"hits.camer"  "*"}).size() == own_scenes().size());
+  CHECK(select_cases(cases, {"hits.camer"
+                             "*"})
+            .size() == own_scenes().size());
   CHECK(select_cases(cases, {"*.creature"}).size() > 10);
   CHECK_THROWS_AS(select_cases(cases, {"hits.camer"}), InputError);
   CHECK_THROWS_AS(select_cases(cases, {"hits", "nothing.*"}), InputError);

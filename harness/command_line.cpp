@@ -30,7 +30,8 @@ namespace {
 /// Digits alone: CLI11 would read "-1" as 2^64 - 1.
 const CLI::Validator kSeed(
     [](std::string& text) {
-      const bool digits = !text.empty() && text.size() <= 19 && text.find_first_not_of("0123456789") == std::string::npos;
+      const bool digits =
+          !text.empty() && text.size() <= 19 && text.find_first_not_of("0123456789") == std::string::npos;
       return digits ? std::string() : "'" + text + "' is no seed; a seed is a whole number of at most 19 digits";
     },
     "");
@@ -55,15 +56,16 @@ double parse_duration(const std::string& text) {
   }
   const std::string unit = text.substr(used);
   const double scale = unit == "h" ? 3600.0 : unit == "m" ? 60.0 : unit == "s" || unit.empty() ? 1.0 : 0.0;
-  if (used == 0 || scale == 0.0 || !(value > 0.0 && value * scale < 1e7)) throw InputError("'" + text + "' is not a duration; write 90s, 20m or 2h");
+  if (used == 0 || scale == 0.0 || !(value > 0.0 && value * scale < 1e7))
+    throw InputError("'" + text + "' is not a duration; write 90s, 20m or 2h");
   return value * scale;
 }
 
 /// "2/5": the second of five.
 void parse_shard(const std::string& text, RunOptions& options) {
   int used = 0;
-  if (std::sscanf(text.c_str(), "%d/%d%n", &options.shard, &options.shards, &used) != 2 || static_cast<std::size_t>(used) != text.size() || options.shard < 1 ||
-      options.shard > options.shards)
+  if (std::sscanf(text.c_str(), "%d/%d%n", &options.shard, &options.shards, &used) != 2 ||
+      static_cast<std::size_t>(used) != text.size() || options.shard < 1 || options.shard > options.shards)
     throw InputError("--shard takes I/N with 1 <= I <= N, such as 2/5; it is '" + text + "'");
 }
 
@@ -72,7 +74,8 @@ std::uint64_t seed_of_today() {
   const std::time_t now = std::time(nullptr);
   std::tm d{};
   gmtime_r(&now, &d);
-  return static_cast<std::uint64_t>(d.tm_year + 1900) * 10000 + static_cast<std::uint64_t>(d.tm_mon + 1) * 100 + static_cast<std::uint64_t>(d.tm_mday);
+  return static_cast<std::uint64_t>(d.tm_year + 1900) * 10000 + static_cast<std::uint64_t>(d.tm_mon + 1) * 100 +
+         static_cast<std::uint64_t>(d.tm_mday);
 }
 
 std::vector<ListedScene> every_scene() {
@@ -149,7 +152,8 @@ int bake_scene(const Arguments& a) {
   for (const std::string& warning : scene.warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
   const GeometryImage image = bake(scene, BakeOptions{});
   write_geometry_image(image, a.image);
-  std::printf("%s: %d x %d texels, %u cells, %u primitives\n", a.image.c_str(), image.width, image.height, image.cell_count, scene.primitive_count());
+  std::printf("%s: %d x %d texels, %u cells, %u primitives\n", a.image.c_str(), image.width, image.height,
+              image.cell_count, scene.primitive_count());
   return 0;
 }
 
@@ -168,11 +172,13 @@ int bench(const Arguments& a) {
 
 int faults() {
   Progress progress;
-  const std::vector<FaultResult> results = run_faults(1, [&](double share, const std::string& what) { progress.show(share, what); });
+  const std::vector<FaultResult> results =
+      run_faults(1, [&](double share, const std::string& what) { progress.show(share, what); });
   progress.clear();
   bool all = true;
   for (const FaultResult& r : results) {
-    std::printf("%-28s %-8s %s\n", r.name.c_str(), r.caught_by.empty() ? "MISSED" : "caught", r.caught_by.empty() ? r.what.c_str() : r.caught_by.c_str());
+    std::printf("%-28s %-8s %s\n", r.name.c_str(), r.caught_by.empty() ? "MISSED" : "caught",
+                r.caught_by.empty() ? r.what.c_str() : r.caught_by.c_str());
     all = all && !r.caught_by.empty();
   }
   return all ? 0 : 1;
@@ -181,8 +187,10 @@ int faults() {
 int report(const Arguments& a) {
   RunRecord record;
   const std::filesystem::path folder = a.out;
-  if (std::filesystem::exists(folder / "results.json")) record = read_results(folder / "results.json");
-  else record = read_journal(folder);
+  if (std::filesystem::exists(folder / "results.json"))
+    record = read_results(folder / "results.json");
+  else
+    record = read_journal(folder);
   write_report(record, folder);
   std::printf("Report: %s\n", (folder / "index.html").string().c_str());
   return 0;
@@ -190,14 +198,19 @@ int report(const Arguments& a) {
 
 int dispatch(int argc, char** argv) {
   Arguments a;
-  CLI::App app{"Plumbline tells whether a GPU ray tracer is right: hit by hit against Embree, with exact arithmetic to settle every difference.", "plumbline"};
+  CLI::App app{
+      "Plumbline tells whether a GPU ray tracer is right: hit by hit against Embree, with exact arithmetic to settle "
+      "every difference.",
+      "plumbline"};
   app.set_version_flag("--version", "plumbline " + version() + " (" + commit() + ")");
   app.require_subcommand(1);
-  app.footer("Exit status: 0 all passed, 1 a case failed, 2 wrong usage or input, 3 wrong environment.\n"
-             "A SCENE is a file (.nff, .obj) or a generator such as sphereflake:4.");
+  app.footer(
+      "Exit status: 0 all passed, 1 a case failed, 2 wrong usage or input, 3 wrong environment.\n"
+      "A SCENE is a file (.nff, .obj) or a generator such as sphereflake:4.");
   const auto add_run_options = [&](CLI::App* sub) {
     sub->add_option("--out", a.out, "Folder for the report")->capture_default_str();
-    sub->add_option("--rays", a.rays, "Rays for each family and scene")->check(CLI::Range(std::uint64_t{1}, std::uint64_t{10'000'000'000}));
+    sub->add_option("--rays", a.rays, "Rays for each family and scene")
+        ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{10'000'000'000}));
     sub->add_flag("--resume", a.resume, "Go on with the run in --out: cases that ended there are not run again");
     sub->add_option("--shard", a.shard, "I/N: run the I-th of N parts of the catalogue");
     sub->add_option("--history", a.history, "Database of earlier runs, or `none`");
@@ -213,20 +226,26 @@ int dispatch(int argc, char** argv) {
 
   CLI::App* run_sub = app.add_subcommand("run", "Run cases, such as `run hits.camera` or `run '*.creature'`");
   run_sub->add_option("PATTERN", a.patterns, "Names, prefixes or patterns with * and ?; all cases if none");
-  run_sub->add_option("--seed", a.seed, "Seed of all rays; the same seed repeats a run bit for bit")->check(kSeed)->capture_default_str();
+  run_sub->add_option("--seed", a.seed, "Seed of all rays; the same seed repeats a run bit for bit")
+      ->check(kSeed)
+      ->capture_default_str();
   run_sub->add_option("--budget", a.budget, "Begin no case after this time, such as 5m; what is left out is said");
   add_run_options(run_sub);
 
-  CLI::App* check_sub = app.add_subcommand("check", "Examine your own scene: every ray family, every variant, brute force");
+  CLI::App* check_sub =
+      app.add_subcommand("check", "Examine your own scene: every ray family, every variant, brute force");
   check_sub->add_option("SCENE", a.scene, "Scene file or generator")->required();
   check_sub->add_option("PATTERN", a.patterns, "Cases of the scene, as `run` names them; all if none");
   check_sub->add_option("--seed", a.seed, "Seed of all rays")->check(kSeed)->capture_default_str();
   add_run_options(check_sub);
 
-  CLI::App* explain_sub = app.add_subcommand("explain", "Tell of one ray what both tracers and exact arithmetic answer");
+  CLI::App* explain_sub =
+      app.add_subcommand("explain", "Tell of one ray what both tracers and exact arithmetic answer");
   explain_sub->add_option("SCENE", a.scene, "Scene file or generator")->required();
-  auto* ray_option = explain_sub->add_option("--ray", a.ray, "OX,OY,OZ,DX,DY,DZ[,TMAX]; decimal or hex floats; write --ray=... where it begins with a minus");
-  explain_sub->add_option("--pixel", a.pixel, "X,Y: the ray through the centre of a pixel; 0,0 is the top left")->excludes(ray_option);
+  auto* ray_option = explain_sub->add_option(
+      "--ray", a.ray, "OX,OY,OZ,DX,DY,DZ[,TMAX]; decimal or hex floats; write --ray=... where it begins with a minus");
+  explain_sub->add_option("--pixel", a.pixel, "X,Y: the ray through the centre of a pixel; 0,0 is the top left")
+      ->excludes(ray_option);
 
   CLI::App* bake_sub = app.add_subcommand("bake", "Write a scene's geometry image as OpenEXR");
   bake_sub->add_option("SCENE", a.scene, "Scene file or generator")->required();
@@ -234,10 +253,13 @@ int dispatch(int argc, char** argv) {
 
   CLI::App* bench_sub = app.add_subcommand("bench", "Measure speed against Embree, bakes and variants");
   bench_sub->add_option("--json", a.json, "Write the metrics to this file too");
-  bench_sub->add_option("--rounds", a.rounds, "Rounds of each measurement, interleaved")->check(CLI::Range(1, 1000))->capture_default_str();
+  bench_sub->add_option("--rounds", a.rounds, "Rounds of each measurement, interleaved")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
   bench_sub->add_flag("--quick", a.quick, "Leave out the variants and the scene of a million triangles");
 
-  CLI::App* faults_sub = app.add_subcommand("faults", "Break the tracer on purpose, one fault at a time, and name what catches it");
+  CLI::App* faults_sub =
+      app.add_subcommand("faults", "Break the tracer on purpose, one fault at a time, and name what catches it");
   CLI::App* report_sub = app.add_subcommand("report", "Write the report of a run again from its record");
   report_sub->add_option("DIR", a.out, "The run's folder")->required();
 
@@ -248,8 +270,10 @@ int dispatch(int argc, char** argv) {
     // CLI11 forgets which word it did not know.
     const std::string word = argc > 1 ? argv[1] : "";
     const std::vector<CLI::App*> subs = app.get_subcommands({});
-    const bool known = std::any_of(subs.begin(), subs.end(), [&](const CLI::App* sub) { return sub->get_name() == word; });
-    if (word.empty()) throw InputError("say what to do: nightly, run, list, check, explain, ...; see `plumbline --help`");
+    const bool known =
+        std::any_of(subs.begin(), subs.end(), [&](const CLI::App* sub) { return sub->get_name() == word; });
+    if (word.empty())
+      throw InputError("say what to do: nightly, run, list, check, explain, ...; see `plumbline --help`");
     if (!known && word.front() != '-') throw InputError("there is no command '" + word + "'; see `plumbline --help`");
     throw InputError(std::string(error.what()) + "; see `plumbline " + (known ? word + " " : "") + "--help`");
   }
@@ -267,7 +291,8 @@ int dispatch(int argc, char** argv) {
   }
   if (*check_sub) return check(a, options);
   if (*explain_sub) {
-    if (a.ray.empty() && a.pixel.empty()) throw InputError("explain needs --ray or --pixel; see `plumbline explain --help`");
+    if (a.ray.empty() && a.pixel.empty())
+      throw InputError("explain needs --ray or --pixel; see `plumbline explain --help`");
     return explain_ray(a);
   }
   if (*bake_sub) return bake_scene(a);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The cases `driver.*`: what the GL implementation itself gets wrong, asked before anything else.
-#include "harness/catalogue.h"
 #include "tracer/driver_cases.h"
+#include "harness/catalogue.h"
 
 namespace plumbline {
 
@@ -16,7 +16,8 @@ std::vector<Case> driver_cases() {
       const DriverResult result = run_driver_case(context.session.context(), asked);
       record.message = result.detail;
       record.figures.push_back({"fault found", "", result.found ? 1.0 : 0.0});
-      // A fault that the tracer is written around is named, and fails nothing; one that it relies on not being there fails.
+      // A fault that the tracer is written around is named, and fails nothing; one that it relies on not being there
+      // fails.
       if (result.found && !asked.tolerated) record.status = CaseStatus::failed;
     };
     cases.push_back(std::move(c));

@@ -34,17 +34,20 @@ void print(std::string& text, const char* format, Args... args) {
   text += line;
 }
 
-void print_values(std::string& text, const char* who, const std::string& answer, bool hit, const glm::dvec3& position, const glm::dvec3& normal) {
+void print_values(std::string& text, const char* who, const std::string& answer, bool hit, const glm::dvec3& position,
+                  const glm::dvec3& normal) {
   print(text, "%-12s %s\n", who, answer.c_str());
   if (!hit) return;
-  print(text, "%-12s position (%.9g, %.9g, %.9g), normal (%.9g, %.9g, %.9g)\n", "", position.x, position.y, position.z, normal.x, normal.y, normal.z);
+  print(text, "%-12s position (%.9g, %.9g, %.9g), normal (%.9g, %.9g, %.9g)\n", "", position.x, position.y, position.z,
+        normal.x, normal.y, normal.z);
 }
 
 }  // namespace
 
 Ray parse_ray(const std::string& text) {
   const std::vector<float> v = parse_floats(text, "--ray");
-  if (v.size() != 6 && v.size() != 7) throw InputError("--ray takes 6 or 7 numbers, OX,OY,OZ,DX,DY,DZ[,TMAX]; there are " + std::to_string(v.size()));
+  if (v.size() != 6 && v.size() != 7)
+    throw InputError("--ray takes 6 or 7 numbers, OX,OY,OZ,DX,DY,DZ[,TMAX]; there are " + std::to_string(v.size()));
   Ray ray{{v[0], v[1], v[2]}, {v[3], v[4], v[5]}};
   if (v.size() == 7) ray.t_max = v[6];
   return ray;
@@ -55,7 +58,8 @@ Ray pixel_ray(const Scene& scene, const std::string& text) {
   if (v.size() != 2) throw InputError("--pixel takes two numbers, X,Y");
   const Camera& c = scene.camera;
   if (!(v[0] >= 0.0f && v[0] < static_cast<float>(c.width) && v[1] >= 0.0f && v[1] < static_cast<float>(c.height)))
-    throw InputError("--pixel " + text + " is outside the picture of " + std::to_string(c.width) + " x " + std::to_string(c.height) + " pixels");
+    throw InputError("--pixel " + text + " is outside the picture of " + std::to_string(c.width) + " x " +
+                     std::to_string(c.height) + " pixels");
   return camera_ray(c, v[0], v[1]);
 }
 
@@ -70,9 +74,10 @@ Explanation explain(Session& session, const Stage& stage, const Ray& ray) {
   Explanation e;
   e.judgement = judge(stage.judge, ray, hit, reference, true);
   std::string& t = e.text;
-  print(t, "scene        %s, %zu triangles, %zu spheres\n", stage.scene.name.c_str(), stage.scene.triangles.size(), stage.scene.spheres.size());
-  print(t, "ray          from (%.9g, %.9g, %.9g) along (%.9g, %.9g, %.9g), t_max %.9g\n", ray.origin.x, ray.origin.y, ray.origin.z, ray.direction.x, ray.direction.y,
-        ray.direction.z, ray.t_max);
+  print(t, "scene        %s, %zu triangles, %zu spheres\n", stage.scene.name.c_str(), stage.scene.triangles.size(),
+        stage.scene.spheres.size());
+  print(t, "ray          from (%.9g, %.9g, %.9g) along (%.9g, %.9g, %.9g), t_max %.9g\n", ray.origin.x, ray.origin.y,
+        ray.origin.z, ray.direction.x, ray.direction.y, ray.direction.z, ray.t_max);
   print(t, "             --ray=%s\n", ray_argument(ray).c_str());
   print_values(t, "tracer", describe(hit), hit.kind == HitKind::hit, hit.position, hit.normal);
   print(t, "             %u cells visited, %u primitives tested\n", hit.steps, hit.primitive_tests);
@@ -88,14 +93,21 @@ Explanation explain(Session& session, const Stage& stage, const Ray& ray) {
         print(t, "             and %zu more\n", crossings.size() - 16);
         break;
       }
-      print(t, "             %s %u at t = %.17g, %s by %.3g (32 bits resolve %.3g)%s\n", stage.scene.is_triangle(c.primitive) ? "triangle" : "sphere", c.primitive, c.t,
-            c.margin < 0.0 ? "passed" : "met inside its outline", std::abs(c.margin), lateral_bound(stage.judge.bounds, ray, c.primitive),
-            c.nearest ? ", nearest" : c.in_plane ? ", seen exactly edge-on" : c.facing < 0 ? ", front" : c.facing > 0 ? ", back" : "");
+      print(t, "             %s %u at t = %.17g, %s by %.3g (32 bits resolve %.3g)%s\n",
+            stage.scene.is_triangle(c.primitive) ? "triangle" : "sphere", c.primitive, c.t,
+            c.margin < 0.0 ? "passed" : "met inside its outline", std::abs(c.margin),
+            lateral_bound(stage.judge.bounds, ray, c.primitive),
+            c.nearest      ? ", nearest"
+            : c.in_plane   ? ", seen exactly edge-on"
+            : c.facing < 0 ? ", front"
+            : c.facing > 0 ? ", back"
+                           : "");
     }
   }
   print(t, "verdict      %s\n", std::string(verdict_name(e.judgement.verdict)).c_str());
   if (!e.judgement.reason.empty()) print(t, "             %s\n", e.judgement.reason.c_str());
-  if (e.judgement.verdict == Verdict::grazing) print(t, "             margin %.3g, bound %.3g\n", e.judgement.margin, e.judgement.bound);
+  if (e.judgement.verdict == Verdict::grazing)
+    print(t, "             margin %.3g, bound %.3g\n", e.judgement.margin, e.judgement.bound);
   return e;
 }
 

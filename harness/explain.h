@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One ray, told in full: what the tracer answers, what a loop over all primitives answers, what Embree answers, what exact arithmetic
-// says, and the verdict.
+// One ray, told in full: what the tracer answers, what a loop over all primitives answers, what Embree answers, what
+// exact arithmetic says, and the verdict.
 #pragma once
 
 #include <string>

@@ -24,10 +24,13 @@ Scene flake() {
 Scene creature() { return generate_scene("creature"); }
 
 // Nodes of a compact image with bounding spheres: one texel each, the word in w.
-std::uint32_t word_of(const GeometryImage& image, std::uint32_t i) { return std::bit_cast<std::uint32_t>(image.texels[i].w); }
+std::uint32_t word_of(const GeometryImage& image, std::uint32_t i) {
+  return std::bit_cast<std::uint32_t>(image.texels[i].w);
+}
 bool is_leaf(std::uint32_t word) { return (word >> 31) != 0; }
 
-/// In every copy of the tree, the node of the largest sphere that is a leaf is made smaller by `share` of the radius that its primitives need.
+/// In every copy of the tree, the node of the largest sphere that is a leaf is made smaller by `share` of the radius
+/// that its primitives need.
 void shrink_largest_leaf(GeometryImage& image, const Stage& stage, double share) {
   const TreeNode* largest = nullptr;
   for (const TreeNode& node : stage.tree.nodes)
@@ -40,8 +43,10 @@ void shrink_largest_leaf(GeometryImage& image, const Stage& stage, double share)
     const std::uint32_t word = word_of(image, i);
     if (!is_leaf(word) || word == kEndWord || glm::vec3(texel) != largest->center) continue;
     // The payload stays; what remains of the radius is rounded down.
-    const std::uint32_t smaller = (std::bit_cast<std::uint32_t>(static_cast<float>(radius * radius)) & ~payload_mask) | (word & payload_mask);
-    const std::uint32_t floored = std::bit_cast<float>(smaller) > static_cast<float>(radius * radius) ? smaller - (payload_mask + 1u) : smaller;
+    const std::uint32_t smaller =
+        (std::bit_cast<std::uint32_t>(static_cast<float>(radius * radius)) & ~payload_mask) | (word & payload_mask);
+    const std::uint32_t floored =
+        std::bit_cast<float>(smaller) > static_cast<float>(radius * radius) ? smaller - (payload_mask + 1u) : smaller;
     texel.w = std::bit_cast<float>(floored | 0x80000000u);
   }
 }
@@ -54,8 +59,12 @@ void swap_two_skips(GeometryImage& image) {
     for (std::uint32_t i = copy * image.copy_size; i < (copy + 1) * image.copy_size; ++i)
       if (!is_leaf(word_of(image, i))) inner.push_back(i);
     // Skips only lead on, so a walk over swapped ones still ends; the one that leads too far loses what it jumps over.
-    const auto short_skip = std::min_element(inner.begin() + 1, inner.end(), [&](auto a, auto b) { return (word_of(image, a) & payload_mask) < (word_of(image, b) & payload_mask); });
-    const auto long_skip = std::max_element(inner.begin() + 1, inner.end(), [&](auto a, auto b) { return (word_of(image, a) & payload_mask) < (word_of(image, b) & payload_mask); });
+    const auto short_skip = std::min_element(inner.begin() + 1, inner.end(), [&](auto a, auto b) {
+      return (word_of(image, a) & payload_mask) < (word_of(image, b) & payload_mask);
+    });
+    const auto long_skip = std::max_element(inner.begin() + 1, inner.end(), [&](auto a, auto b) {
+      return (word_of(image, a) & payload_mask) < (word_of(image, b) & payload_mask);
+    });
     const std::uint32_t a = word_of(image, *short_skip), b = word_of(image, *long_skip);
     image.texels[*short_skip].w = std::bit_cast<float>((a & ~payload_mask) | (b & payload_mask));
     image.texels[*long_skip].w = std::bit_cast<float>((b & ~payload_mask) | (a & payload_mask));
@@ -67,34 +76,50 @@ void swap_two_skips(GeometryImage& image) {
 std::vector<Fault> all_faults() {
   using V = Verdict;
   std::vector<Fault> faults;
-  const auto shader = [&](const char* name, const char* what, Scene (*scene)(), std::vector<V> expected, const char* file, const char* find, const char* replace) {
+  const auto shader = [&](const char* name, const char* what, Scene (*scene)(), std::vector<V> expected,
+                          const char* file, const char* find, const char* replace) {
     faults.push_back({name, what, scene, std::move(expected), {}, {{file, find, replace}}});
   };
-  faults.push_back({"sphere_shrunk", "One bounding sphere is smaller by 1e-4 of the radius that it needs.", flake, {V::tracer_wrong},
-                    [](GeometryImage& image, const Stage& stage) { shrink_largest_leaf(image, stage, 1e-4); }, {}});
-  faults.push_back({"links_swapped", "Two nodes exchange their out links.", creature, {V::tracer_wrong, V::leak, V::capped},
-                    [](GeometryImage& image, const Stage&) { swap_two_skips(image); }, {}});
-  shader("radius_not_squared", "The node test compares the distance, not its square, with the squared radius.", creature, {V::tracer_wrong, V::leak}, "bounds.glsl",
-         "return dot(f, f);", "return length(f);");
-  shader("t_max_without_its_square", "The node test ends at the root of the nearest t, not at t itself.", creature, {V::tracer_wrong, V::leak}, "bounds.glsl",
-         "clamp(dot(m, ray.dn), 0.0, nearest.t)", "clamp(dot(m, ray.dn), 0.0, sqrt(nearest.t))");
-  shader("edge_excluded", "Edges and corners no longer belong to a triangle: < for <=.", creature, {V::leak}, "triangle.glsl",
-         "hit.inside = min(min(u, v), w) >= 0.0 || max(max(u, v), w) <= 0.0;", "hit.inside = min(min(u, v), w) > 0.0 || max(max(u, v), w) < 0.0;");
-  shader("first_hit", "The first hit is kept instead of the nearest.", creature, {V::tracer_wrong, V::leak}, "candidate.glsl",
-         "(t < nearest.t || (t == nearest.t && label < nearest.label))", "t <= nearest.t && nearest.label >= NO_LABEL");
-  shader("behind_the_origin", "Hits behind the ray's origin count.", creature, {V::tracer_wrong}, "candidate.glsl", "if (hit && t > ray.t_low &&", "if (hit &&");
-  shader("t_max_exclusive_by_far", "Hits in the last thousandth before t_max are lost.", creature, {V::tracer_wrong, V::leak}, "ray_prepare.glsl",
-         "float t_end = scale_exactly(t_max, -ray.exponent);", "float t_end = scale_exactly(t_max, -ray.exponent) * 0.999;");
-  shader("far_root_first", "A sphere answers with the far root although the near one is valid.", flake, {V::tracer_wrong}, "sphere.glsl", "enter > ray.t_low ? enter",
-         "enter <= ray.t_low ? enter");
-  shader("normal_turned", "The normal of a triangle points the other way.", creature, {V::tracer_wrong}, "triangle.glsl", "return n * (1.0 / sqrt(dot(n, n)));",
-         "return n * (-1.0 / sqrt(dot(n, n)));");
-  shader("weights_exchanged", "The weights of the second and third corner are exchanged.", creature, {V::tracer_wrong}, "triangle.glsl", "hit.weights = vec2(v, w) * inverse;",
-         "hit.weights = vec2(w, v) * inverse;");
-  shader("cluster_cut_short", "The last primitive of a cluster is not tested.", creature, {V::tracer_wrong, V::leak}, "candidate.glsl",
-         "  offer(hit, t, label, address, weights);\n#ifdef HAS_TRIANGLES\n  if (pending)", "  offer(hit && p0.w > 0.0, t, label, address, weights);\n#ifdef HAS_TRIANGLES\n  if (pending)");
+  faults.push_back({"sphere_shrunk",
+                    "One bounding sphere is smaller by 1e-4 of the radius that it needs.",
+                    flake,
+                    {V::tracer_wrong},
+                    [](GeometryImage& image, const Stage& stage) { shrink_largest_leaf(image, stage, 1e-4); },
+                    {}});
+  faults.push_back({"links_swapped",
+                    "Two nodes exchange their out links.",
+                    creature,
+                    {V::tracer_wrong, V::leak, V::capped},
+                    [](GeometryImage& image, const Stage&) { swap_two_skips(image); },
+                    {}});
+  shader("radius_not_squared", "The node test compares the distance, not its square, with the squared radius.",
+         creature, {V::tracer_wrong, V::leak}, "bounds.glsl", "return dot(f, f);", "return length(f);");
+  shader("t_max_without_its_square", "The node test ends at the root of the nearest t, not at t itself.", creature,
+         {V::tracer_wrong, V::leak}, "bounds.glsl", "clamp(dot(m, ray.dn), 0.0, nearest.t)",
+         "clamp(dot(m, ray.dn), 0.0, sqrt(nearest.t))");
+  shader("edge_excluded", "Edges and corners no longer belong to a triangle: < for <=.", creature, {V::leak},
+         "triangle.glsl", "hit.inside = min(min(u, v), w) >= 0.0 || max(max(u, v), w) <= 0.0;",
+         "hit.inside = min(min(u, v), w) > 0.0 || max(max(u, v), w) < 0.0;");
+  shader("first_hit", "The first hit is kept instead of the nearest.", creature, {V::tracer_wrong, V::leak},
+         "candidate.glsl", "(t < nearest.t || (t == nearest.t && label < nearest.label))",
+         "t <= nearest.t && nearest.label >= NO_LABEL");
+  shader("behind_the_origin", "Hits behind the ray's origin count.", creature, {V::tracer_wrong}, "candidate.glsl",
+         "if (hit && t > ray.t_low &&", "if (hit &&");
+  shader("t_max_exclusive_by_far", "Hits in the last thousandth before t_max are lost.", creature,
+         {V::tracer_wrong, V::leak}, "ray_prepare.glsl", "float t_end = scale_exactly(t_max, -ray.exponent);",
+         "float t_end = scale_exactly(t_max, -ray.exponent) * 0.999;");
+  shader("far_root_first", "A sphere answers with the far root although the near one is valid.", flake,
+         {V::tracer_wrong}, "sphere.glsl", "enter > ray.t_low ? enter", "enter <= ray.t_low ? enter");
+  shader("normal_turned", "The normal of a triangle points the other way.", creature, {V::tracer_wrong},
+         "triangle.glsl", "return n * (1.0 / sqrt(dot(n, n)));", "return n * (-1.0 / sqrt(dot(n, n)));");
+  shader("weights_exchanged", "The weights of the second and third corner are exchanged.", creature, {V::tracer_wrong},
+         "triangle.glsl", "hit.weights = vec2(v, w) * inverse;", "hit.weights = vec2(w, v) * inverse;");
+  shader("cluster_cut_short", "The last primitive of a cluster is not tested.", creature, {V::tracer_wrong, V::leak},
+         "candidate.glsl", "  offer(hit, t, label, address, weights);\n#ifdef HAS_TRIANGLES\n  if (pending)",
+         "  offer(hit && p0.w > 0.0, t, label, address, weights);\n#ifdef HAS_TRIANGLES\n  if (pending)");
   shader("t_off_by_1e-5", "t is too large by one part in 10^5.", creature, {V::tracer_wrong}, "triangle.glsl",
-         "hit.t = (((u * a.z + v * b.z) + w * c.z) * inverse) * ray.shear.z;", "hit.t = (((u * a.z + v * b.z) + w * c.z) * inverse) * ray.shear.z * 1.00001;");
+         "hit.t = (((u * a.z + v * b.z) + w * c.z) * inverse) * ray.shear.z;",
+         "hit.t = (((u * a.z + v * b.z) + w * c.z) * inverse) * ray.shear.z * 1.00001;");
   return faults;
 }
 
@@ -112,19 +137,23 @@ FaultResult run_fault(Session& session, const Fault& fault, std::uint64_t seed) 
     Tally sound, faulty;
     trace_and_judge(stage, session.probe(stage), stage.embree, rays, 0, seed, buffers, sound);
     for (const Verdict v : kVerdicts)
-      if (is_failure(v) && sound[v] > 0) throw EnvironmentError("the tracer fails " + std::string(family.name) + " on the scene of fault " + fault.name + " without the fault");
+      if (is_failure(v) && sound[v] > 0)
+        throw EnvironmentError("the tracer fails " + std::string(family.name) + " on the scene of fault " + fault.name +
+                               " without the fault");
     trace_and_judge(stage, broken, stage.embree, rays, 0, seed, buffers, faulty);
     for (const Verdict v : fault.expected) {
       if (faulty[v] == 0) continue;
       result.verdict = v;
-      result.caught_by = std::string(family.name) + ": " + std::to_string(faulty[v]) + " of " + std::to_string(kRays) + " rays " + std::string(verdict_name(v));
+      result.caught_by = std::string(family.name) + ": " + std::to_string(faulty[v]) + " of " + std::to_string(kRays) +
+                         " rays " + std::string(verdict_name(v));
       return result;
     }
   }
   return result;
 }
 
-std::vector<FaultResult> run_faults(std::uint64_t seed, const std::function<void(double, const std::string&)>& progress) {
+std::vector<FaultResult> run_faults(std::uint64_t seed,
+                                    const std::function<void(double, const std::string&)>& progress) {
   Session session;
   const std::vector<Fault> faults = all_faults();
   std::vector<FaultResult> results;

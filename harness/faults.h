@@ -12,13 +12,13 @@
 namespace plumbline {
 
 struct Fault {
-  std::string name;                      ///< "sphere_shrunk"
-  std::string what;                      ///< one sentence
-  std::function<Scene()> scene;          ///< that it is seeded in
-  std::vector<Verdict> expected;         ///< the verdicts that may tell of it
+  std::string name;               ///< "sphere_shrunk"
+  std::string what;               ///< one sentence
+  std::function<Scene()> scene;   ///< that it is seeded in
+  std::vector<Verdict> expected;  ///< the verdicts that may tell of it
   /// Changes the image in one place; empty: the image is left as it is.
   std::function<void(GeometryImage&, const Stage&)> change_image;
-  std::vector<ShaderPatch> patches;      ///< empty: the shader is left as it is
+  std::vector<ShaderPatch> patches;  ///< empty: the shader is left as it is
 };
 
 /// Every seeded fault, in a fixed order.
@@ -26,13 +26,15 @@ std::vector<Fault> all_faults();
 
 struct FaultResult {
   std::string name, what;
-  std::string caught_by;              ///< "chords: 12 of 65536 rays tracer_wrong"; empty: nothing caught it
-  Verdict verdict = Verdict::agree;   ///< the failing verdict that told of it
+  std::string caught_by;             ///< "chords: 12 of 65536 rays tracer_wrong"; empty: nothing caught it
+  Verdict verdict = Verdict::agree;  ///< the failing verdict that told of it
 };
 
-/// Seeds one fault and runs the ray families against it until one fails. With an unchanged tracer the same rays pass: that is asked first.
+/// Seeds one fault and runs the ray families against it until one fails. With an unchanged tracer the same rays pass:
+/// that is asked first.
 FaultResult run_fault(Session& session, const Fault& fault, std::uint64_t seed);
 
-std::vector<FaultResult> run_faults(std::uint64_t seed, const std::function<void(double, const std::string&)>& progress);
+std::vector<FaultResult> run_faults(std::uint64_t seed,
+                                    const std::function<void(double, const std::string&)>& progress);
 
 }  // namespace plumbline

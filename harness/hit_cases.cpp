@@ -6,10 +6,10 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "harness/catalogue.h"
+#include "harness/clock.h"
 #include "scenes/error.h"
 
 namespace plumbline {
@@ -19,28 +19,46 @@ constexpr std::size_t kBatch = std::size_t{1} << 17;
 /// One agreeing ray in this many is arbitrated all the same, so that both being wrong together is seen.
 constexpr std::uint32_t kSampleOneIn = 1024;
 
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+/// Compares `count` rays of a family, batch by batch, so that memory does not grow with their number. Notes the tracing
+/// time in `record`.
+Tally compare_family(CaseContext& context, const Stage& stage, Probe& probe, const EmbreeScene& embree,
+                     RayFamily family, std::uint64_t seed, std::uint64_t count, CaseRecord& record) {
+  Tally tally;
+  TraceBuffers buffers;
+  std::vector<Ray> batch;
+  for (std::uint64_t first = 0; first < count; first += kBatch) {
+    batch.resize(std::min<std::uint64_t>(kBatch, count - first));
+    generate_rays_parallel(stage.rays, family, seed, first, batch);
+    trace_and_judge(stage, probe, embree, batch, first, seed, buffers, tally);
+    context.progress(static_cast<double>(first + batch.size()) / static_cast<double>(count));
+  }
+  PLUMBLINE_ASSERT(tally.rays() == count);
+  record.trace_seconds = buffers.trace_seconds;
+  return tally;
 }
 
 /// The families whose rays are random lines that know nothing of the tracer's rounding; the others are aimed at it.
-bool is_random_family(RayFamily family) { return family == RayFamily::camera || family == RayFamily::chords || family == RayFamily::inside; }
+bool is_random_family(RayFamily family) {
+  return family == RayFamily::camera || family == RayFamily::chords || family == RayFamily::inside;
+}
 
 }  // namespace
 
-void generate_rays_parallel(const RaySource& source, RayFamily family, std::uint64_t seed, std::uint64_t first, std::span<Ray> rays) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rays.size(), 4096), [&](const tbb::blocked_range<std::size_t>& r) {
-    generate_rays(source, family, seed, first + r.begin(), rays.subspan(r.begin(), r.size()));
-  });
+void generate_rays_parallel(const RaySource& source, RayFamily family, std::uint64_t seed, std::uint64_t first,
+                            std::span<Ray> rays) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rays.size(), 4096),
+                    [&](const tbb::blocked_range<std::size_t>& r) {
+                      generate_rays(source, family, seed, first + r.begin(), rays.subspan(r.begin(), r.size()));
+                    });
 }
 
-void trace_and_judge(const Stage& stage, Probe& probe, const EmbreeScene& embree, std::span<const Ray> rays, std::uint64_t first_index, std::uint64_t seed,
-                     TraceBuffers& buffers, Tally& tally) {
+void trace_and_judge(const Stage& stage, Probe& probe, const EmbreeScene& embree, std::span<const Ray> rays,
+                     std::uint64_t first_index, std::uint64_t seed, TraceBuffers& buffers, Tally& tally) {
   buffers.tracer.resize(rays.size());
   buffers.reference.resize(rays.size());
   probe.trace(rays, buffers.tracer);
   buffers.trace_seconds += probe.draw_seconds();
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   embree.intersect(rays, buffers.reference);
   buffers.trace_seconds += seconds_since(start);
   judge_batch(stage.judge, rays, buffers.tracer, buffers.reference, first_index, seed, kSampleOneIn, tally);
@@ -58,12 +76,15 @@ void name_layers(Session& session, const Stage& stage, Tally& tally) {
   for (std::size_t i = 0; i < failing.size(); ++i) {
     JudgedRay& f = *failing[i];
     const bool same = hits[i].kind == f.tracer.kind && hits[i].primitive == f.tracer.primitive;
-    f.judgement.reason += same ? " Brute force over all primitives answers the same: the arithmetic lost it."
-                               : " Brute force over all primitives answers " + describe(hits[i]) + ": the tree lost it.";
+    f.judgement.reason += same
+                              ? " Brute force over all primitives answers the same: the arithmetic lost it."
+                              : " Brute force over all primitives answers " + describe(hits[i]) + ": the tree lost it.";
   }
 }
 
-std::string ray_argument(const Ray& ray) { return hex_vector(ray.origin) + "," + hex_vector(ray.direction) + "," + hex_float(ray.t_max); }
+std::string ray_argument(const Ray& ray) {
+  return hex_vector(ray.origin) + "," + hex_vector(ray.direction) + "," + hex_float(ray.t_max);
+}
 
 std::string quoted(const std::string& argument) {
   if (argument.find_first_of(" '\"$`\\&;()<>|*?#~") == std::string::npos && !argument.empty()) return argument;
@@ -92,23 +113,27 @@ void record_tally(const Tally& tally, const std::string& spec, CaseRecord& recor
     r.replay = "./plumbline explain " + quoted(spec) + " --ray=" + ray_argument(kept.ray);
     record.worst.push_back(std::move(r));
   }
-  record.message = std::to_string(tally.arbitrated) + " rays went to exact arithmetic, " + std::to_string(tally.sampled) + " of them by chance";
+  record.message = std::to_string(tally.arbitrated) + " rays went to exact arithmetic, " +
+                   std::to_string(tally.sampled) + " of them by chance";
 }
 
 std::uint64_t grazing_budget(const Stage& stage, RayFamily family, std::uint64_t rays) {
-  // A random line of the ball of radius R passes within w of a segment of length l with probability (pi/4) 2wl / (pi R^2) = wl / 2R^2, and within w of
-  // a sphere's outline of radius r with probability 2 pi r 2w / (pi R^2) = 4rw / R^2. Summed over the scene: p rays per ray. Camera rays are
-  // no random lines, hence a factor of 16; six standard deviations and 16 rays are for chance in small samples. A tracer that is wrong near
-  // edges by ten times its bound is not grazing but wrong; this budget catches one whose rounding is worse than its formulas allow.
+  // A random line of the ball of radius R passes within w of a segment of length l with probability (pi/4) 2wl / (pi
+  // R^2) = wl / 2R^2, and within w of a sphere's outline of radius r with probability 2 pi r 2w / (pi R^2) = 4rw / R^2.
+  // Summed over the scene: p rays per ray. Camera rays are no random lines, hence a factor of 16; six standard
+  // deviations and 16 rays are for chance in small samples. A tracer that is wrong near edges by ten times its bound is
+  // not grazing but wrong; this budget catches one whose rounding is worse than its formulas allow.
   if (!is_random_family(family)) return rays;
   const double radius = stage.judge.bounds.ball.radius;
   double sum = 0.0;
   for (std::uint32_t p = 0; p < stage.scene.triangles.size(); ++p) {
     const auto v = stage.scene.corners(p);
-    for (int i = 0; i < 3; ++i) sum += glm::length(glm::dvec3(v[(i + 1) % 3]) - glm::dvec3(v[i])) / (4.0 * radius * radius);  // each edge twice
+    for (int i = 0; i < 3; ++i)
+      sum += glm::length(glm::dvec3(v[(i + 1) % 3]) - glm::dvec3(v[i])) / (4.0 * radius * radius);  // each edge twice
   }
   for (const Sphere& s : stage.scene.spheres) sum += 4.0 * s.radius / (radius * radius);
-  const Ray typical{glm::vec3(stage.judge.bounds.ball.center + glm::dvec3(2.0 * radius, 0.0, 0.0)), {-1.0f, 0.0f, 0.0f}};
+  const Ray typical{glm::vec3(stage.judge.bounds.ball.center + glm::dvec3(2.0 * radius, 0.0, 0.0)),
+                    {-1.0f, 0.0f, 0.0f}};
   BoundsContext width = stage.judge.bounds;
   width.longest_edge = std::min(width.longest_edge, radius / 64.0);
   const double expected = 16.0 * sum * lateral_bound_of_scene(width, typical) * static_cast<double>(rays);
@@ -122,7 +147,9 @@ void conclude(const Tally& tally, std::uint64_t budget, CaseRecord& record) {
     record.status = CaseStatus::failed;
   };
   for (const Verdict v : {Verdict::tracer_wrong, Verdict::leak, Verdict::capped})
-    if (tally[v] > 0) complain(std::to_string(tally[v]) + " of " + std::to_string(tally.rays()) + " rays: " + std::string(verdict_name(v)));
+    if (tally[v] > 0)
+      complain(std::to_string(tally[v]) + " of " + std::to_string(tally.rays()) +
+               " rays: " + std::string(verdict_name(v)));
   if (tally[Verdict::grazing] > budget)
     complain(std::to_string(tally[Verdict::grazing]) + " rays grazing, over the budget of " + std::to_string(budget));
   record.message = message;
@@ -147,20 +174,10 @@ std::vector<Case> hit_cases(const ListedScene& scene, std::uint64_t rays) {
         record.message = "the scene has no primitives";
         return;
       }
-      Probe& probe = context.session.probe(stage);
       const std::uint64_t seed = case_seed(context.seed, self.name);
-      Tally tally;
-      TraceBuffers buffers;
-      std::vector<Ray> batch;
-      for (std::uint64_t first = 0; first < self.rays; first += kBatch) {
-        batch.resize(std::min<std::uint64_t>(kBatch, self.rays - first));
-        generate_rays_parallel(stage.rays, id, seed, first, batch);
-        trace_and_judge(stage, probe, stage.embree, batch, first, seed, buffers, tally);
-        context.progress(static_cast<double>(first + batch.size()) / static_cast<double>(self.rays));
-      }
-      PLUMBLINE_ASSERT(tally.rays() == self.rays);
+      Tally tally =
+          compare_family(context, stage, context.session.probe(stage), stage.embree, id, seed, self.rays, record);
       name_layers(context.session, stage, tally);
-      record.trace_seconds = buffers.trace_seconds;
       record_tally(tally, self.spec, record);
       conclude(tally, grazing_budget(stage, id, self.rays), record);
     };
@@ -176,7 +193,9 @@ Case embree_spheres_case(const ListedScene& scene, std::uint64_t rays) {
   c.scene = scene.name;
   c.spec = scene.spec;
   c.family = "chords";
-  c.proves = "The reference's spheres, intersected in double precision, and Embree's own sphere primitive agree, or exact arithmetic says that Embree erred.";
+  c.proves =
+      "The reference's spheres, intersected in double precision, and Embree's own sphere primitive agree, or exact "
+      "arithmetic says that Embree erred.";
   c.rays = rays;
   c.run = [](CaseContext& context, const Case& self, CaseRecord& record) {
     Stage& stage = context.session.stage(self.spec);
@@ -187,12 +206,8 @@ Case embree_spheres_case(const ListedScene& scene, std::uint64_t rays) {
     }
     const EmbreeScene other(stage.scene, SphereMode::embree);
     const std::uint64_t seed = case_seed(context.seed, self.name);
-    Tally tally;
-    TraceBuffers buffers;
-    std::vector<Ray> batch(self.rays);
-    generate_rays_parallel(stage.rays, RayFamily::chords, seed, 0, batch);
-    trace_and_judge(stage, context.session.probe(stage), other, batch, 0, seed, buffers, tally);
-    record.trace_seconds = buffers.trace_seconds;
+    const Tally tally =
+        compare_family(context, stage, context.session.probe(stage), other, RayFamily::chords, seed, self.rays, record);
     record_tally(tally, self.spec, record);
     conclude(tally, self.rays, record);
   };

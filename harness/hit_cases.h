@@ -20,16 +20,18 @@ struct TraceBuffers {
 };
 
 /// generate_rays on all cores.
-void generate_rays_parallel(const RaySource& source, RayFamily family, std::uint64_t seed, std::uint64_t first, std::span<Ray> rays);
+void generate_rays_parallel(const RaySource& source, RayFamily family, std::uint64_t seed, std::uint64_t first,
+                            std::span<Ray> rays);
 
 /// Traces `rays` on both sides and adds their verdicts to `tally`; ray i has number first_index + i.
-void trace_and_judge(const Stage& stage, Probe& probe, const EmbreeScene& embree, std::span<const Ray> rays, std::uint64_t first_index, std::uint64_t seed,
-                     TraceBuffers& buffers, Tally& tally);
+void trace_and_judge(const Stage& stage, Probe& probe, const EmbreeScene& embree, std::span<const Ray> rays,
+                     std::uint64_t first_index, std::uint64_t seed, TraceBuffers& buffers, Tally& tally);
 
 /// Adds to the reason of each failing ray which layer lost it: the tree, or the arithmetic.
 void name_layers(Session& session, const Stage& stage, Tally& tally);
 
-/// How many rays of a case may be grazing: derived from the scene for random families, all of them where rays are aimed at rounding.
+/// How many rays of a case may be grazing: derived from the scene for random families, all of them where rays are aimed
+/// at rounding.
 std::uint64_t grazing_budget(const Stage& stage, RayFamily family, std::uint64_t rays);
 
 /// Verdict counts, kept rays and figures of a tally.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The cases that take the tracer apart: `layers.*` (the tree against a loop over all primitives), `variants.*` (options that must not change an answer)
-// and `bake.*` (the image on disk).
+// The cases that take the tracer apart: `layers.*` (the tree against a loop over all primitives), `variants.*` (options
+// that must not change an answer) and `bake.*` (the image on disk).
 #include <algorithm>
 #include <bit>
 #include <cstring>
@@ -28,13 +28,14 @@ bool same_bits(const glm::vec3& a, const glm::vec3& b) { return std::memcmp(&a, 
 
 /// All but steps and tests, which tell of the walk and not of the answer.
 bool same_answer(const Hit& a, const Hit& b) {
-  return a.kind == b.kind && a.primitive == b.primitive && std::bit_cast<std::uint32_t>(a.t) == std::bit_cast<std::uint32_t>(b.t) &&
-         same_bits(a.position, b.position) && same_bits(a.normal, b.normal) && std::memcmp(&a.barycentrics, &b.barycentrics, sizeof a.barycentrics) == 0;
+  return a.kind == b.kind && a.primitive == b.primitive &&
+         std::bit_cast<std::uint32_t>(a.t) == std::bit_cast<std::uint32_t>(b.t) && same_bits(a.position, b.position) &&
+         same_bits(a.normal, b.normal) && std::memcmp(&a.barycentrics, &b.barycentrics, sizeof a.barycentrics) == 0;
 }
 
 /// Counts the rays whose answers differ in any bit, as agree and tracer_wrong, and keeps the first few.
-void record_differences(std::span<const Ray> rays, std::span<const Hit> got, std::span<const Hit> expected, const std::string& expected_name,
-                        const std::string& spec, CaseRecord& record) {
+void record_differences(std::span<const Ray> rays, std::span<const Hit> got, std::span<const Hit> expected,
+                        const std::string& expected_name, const std::string& spec, CaseRecord& record) {
   std::uint64_t differing = 0;
   for (std::size_t i = 0; i < rays.size(); ++i) {
     if (same_answer(got[i], expected[i])) continue;
@@ -42,7 +43,8 @@ void record_differences(std::span<const Ray> rays, std::span<const Hit> got, std
     RayRecord r;
     r.verdict = verdict_name(got[i].kind == HitKind::capped ? Verdict::capped : Verdict::tracer_wrong);
     r.index = i;
-    r.origin = hex_vector(rays[i].origin), r.direction = hex_vector(rays[i].direction), r.t_max = hex_float(rays[i].t_max);
+    r.origin = hex_vector(rays[i].origin), r.direction = hex_vector(rays[i].direction),
+    r.t_max = hex_float(rays[i].t_max);
     r.tracer = describe(got[i]);
     r.reference = describe(expected[i]);
     r.reason = "Not bit for bit what " + expected_name + " answers.";
@@ -54,7 +56,8 @@ void record_differences(std::span<const Ray> rays, std::span<const Hit> got, std
   record.verdicts["tracer_wrong"] += differing;
   if (differing > 0) {
     record.status = CaseStatus::failed;
-    record.message += (record.message.empty() ? "" : "; ") + std::to_string(differing) + " of " + std::to_string(rays.size()) + " rays differ from " + expected_name;
+    record.message += (record.message.empty() ? "" : "; ") + std::to_string(differing) + " of " +
+                      std::to_string(rays.size()) + " rays differ from " + expected_name;
   }
 }
 
@@ -72,7 +75,9 @@ Case brute_force_case(const ListedScene& scene, std::uint64_t tests) {
   c.scene = scene.name;
   c.spec = scene.spec;
   c.paper = "4";
-  c.proves = "The tree loses nothing: the production walk answers bit for bit what a loop over all primitives answers with the same primitive functions.";
+  c.proves =
+      "The tree loses nothing: the production walk answers bit for bit what a loop over all primitives answers with "
+      "the same primitive functions.";
   c.run = [tests](CaseContext& context, const Case& self, CaseRecord& record) {
     Stage& stage = context.session.stage(self.spec);
     const std::vector<Ray> rays = mixed_rays(stage, case_seed(context.seed, self.name), rays_per_family(tests, stage));
@@ -127,8 +132,10 @@ Case bake_file_case(const ListedScene& scene) {
     record.figures.push_back({"file", "bytes", static_cast<double>(std::filesystem::file_size(file, ignored))});
     std::filesystem::remove(file, ignored);
     record.figures.push_back({"image", "texels", static_cast<double>(back.texels.size())});
-    const bool same = back.width == stage.image.width && back.height == stage.image.height && back.texels.size() == stage.image.texels.size() &&
-                      std::memcmp(back.texels.data(), stage.image.texels.data(), back.texels.size() * sizeof(glm::vec4)) == 0;
+    const bool same =
+        back.width == stage.image.width && back.height == stage.image.height &&
+        back.texels.size() == stage.image.texels.size() &&
+        std::memcmp(back.texels.data(), stage.image.texels.data(), back.texels.size() * sizeof(glm::vec4)) == 0;
     if (!same) {
       record.status = CaseStatus::failed;
       record.message = "the image read back differs from the one written";

@@ -16,7 +16,8 @@ constexpr int kWidth = 384;  ///< pixels; the height follows the camera
 std::vector<float> brightness_of(std::span<const Ray> rays, std::span<const Hit> hits) {
   std::vector<float> brightness(rays.size(), 0.0f);
   for (std::size_t i = 0; i < rays.size(); ++i)
-    if (hits[i].kind == HitKind::hit) brightness[i] = std::abs(glm::dot(glm::normalize(rays[i].direction), hits[i].normal));
+    if (hits[i].kind == HitKind::hit)
+      brightness[i] = std::abs(glm::dot(glm::normalize(rays[i].direction), hits[i].normal));
   return brightness;
 }
 
@@ -71,10 +72,14 @@ Case picture_case(const ListedScene& scene) {
     const auto add = [&](const Picture& picture, const char* stem, const char* title, const char* caption) {
       record.pictures.push_back(save_picture(picture, context.out, self.name + "." + stem, title, caption));
     };
-    add(paint_primitives(primitives, brightness, kWidth, height), "hits", "Hit map", "A colour for each primitive hit by the production tracer, darker where the ray grazes it.");
-    add(paint_values(steps, kWidth, height, "cells"), "steps", "Steps per pixel", "Cells of the geometry image that the ray visited.");
-    add(paint_values(tests, kWidth, height, "tests"), "tests", "Primitive tests per pixel", "Primitives that the ray was tested against.");
-    add(paint_verdicts(verdicts, names, brightness, kWidth, height), "verdicts", "Verdicts", "Where the two tracers disagreed, and who was right; grey where they agree. Marks are enlarged.");
+    add(paint_primitives(primitives, brightness, kWidth, height), "hits", "Hit map",
+        "A colour for each primitive hit by the production tracer, darker where the ray grazes it.");
+    add(paint_values(steps, kWidth, height, "cells"), "steps", "Steps per pixel",
+        "Cells of the geometry image that the ray visited.");
+    add(paint_values(tests, kWidth, height, "tests"), "tests", "Primitive tests per pixel",
+        "Primitives that the ray was tested against.");
+    add(paint_verdicts(verdicts, names, brightness, kWidth, height), "verdicts", "Verdicts",
+        "Where the two tracers disagreed, and who was right; grey where they agree. Marks are enlarged.");
   };
   return c;
 }

@@ -5,9 +5,9 @@
 
 #include <cstdio>
 
-namespace plumbline {
+#include "harness/clock.h"
 
-using Clock = std::chrono::steady_clock;
+namespace plumbline {
 
 Progress::Progress() : terminal_(isatty(STDERR_FILENO) != 0), start_(Clock::now()), last_(start_) {}
 Progress::~Progress() { clear(); }

@@ -4,13 +4,13 @@
 #include <sys/utsname.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <cstdio>
 #include <ctime>
 #include <fstream>
 #include <set>
 #include <thread>
 
+#include "harness/clock.h"
 #include "harness/progress.h"
 #include "harness/version.h"
 #include "reports/history.h"
@@ -21,9 +21,6 @@
 
 namespace plumbline {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 std::string utc_now() {
   const std::time_t now = std::time(nullptr);
@@ -56,7 +53,8 @@ CaseRecord run_case(const Case& c, CaseContext& context, const RunOptions& optio
   record.name = c.name, record.feature = c.feature, record.scene = c.scene, record.family = c.family;
   record.proves = c.proves, record.paper = c.paper;
   record.seed = case_seed(options.seed, c.name);
-  record.replay = options.replay + " " + c.name + " --seed " + std::to_string(options.seed) + (c.rays ? " --rays " + std::to_string(c.rays) : "");
+  record.replay = options.replay + " " + c.name + " --seed " + std::to_string(options.seed) +
+                  (c.rays ? " --rays " + std::to_string(c.rays) : "");
   const auto start = Clock::now();
   try {
     c.run(context, c, record);
@@ -120,8 +118,10 @@ RunRecord run_cases(const std::vector<Case>& all, const RunOptions& options) {
     Journal opened = Journal::resume(options.out, earlier);
     if (earlier.seed != run.seed || earlier.commit != run.commit || earlier.planned_cases != run.planned_cases ||
         without_resume(earlier.command) != without_resume(run.command))
-      throw InputError(options.out.string() + " holds another run (seed " + std::to_string(earlier.seed) + ", commit " + earlier.commit + ", " +
-                       std::to_string(earlier.planned_cases) + " cases); resume it with the command that began it, `" + earlier.command + "`, or choose another --out");
+      throw InputError(options.out.string() + " holds another run (seed " + std::to_string(earlier.seed) + ", commit " +
+                       earlier.commit + ", " + std::to_string(earlier.planned_cases) +
+                       " cases); resume it with the command that began it, `" + earlier.command +
+                       "`, or choose another --out");
     run.started = earlier.started;
     run.cases = earlier.cases;
     for (const CaseRecord& c : run.cases) done.insert(c.name), spent_before += c.seconds;
@@ -142,8 +142,8 @@ RunRecord run_cases(const std::vector<Case>& all, const RunOptions& options) {
     CaseRecord record = run_case(c, context, options);
     if (!options.quiet && (record.status == CaseStatus::failed || record.status == CaseStatus::error)) {
       progress.clear();
-      std::fprintf(stderr, "%s %s: %s\n  replay: %s\n", record.status == CaseStatus::failed ? "FAILED" : "ERROR", c.name.c_str(), record.message.c_str(),
-                   record.replay.c_str());
+      std::fprintf(stderr, "%s %s: %s\n  replay: %s\n", record.status == CaseStatus::failed ? "FAILED" : "ERROR",
+                   c.name.c_str(), record.message.c_str(), record.replay.c_str());
     }
     journal.append(record);
     run.cases.push_back(std::move(record));

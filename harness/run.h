@@ -13,19 +13,20 @@
 namespace plumbline {
 
 struct RunOptions {
-  std::string command;               ///< as typed, for the record
+  std::string command;  ///< as typed, for the record
   std::uint64_t seed = 1;
   std::filesystem::path out = "out";
-  int shard = 1, shards = 1;         ///< takes every case whose number is shard - 1 modulo shards
-  bool resume = false;               ///< go on with the run in `out`: cases that ended there are not run again
-  double budget_seconds = 0.0;       ///< 0: none; cases not begun when it is spent are left out and said to be
-  std::filesystem::path history;     ///< database of earlier runs; empty: none
-  bool quiet = false;                ///< no progress, no summary
+  int shard = 1, shards = 1;               ///< takes every case whose number is shard - 1 modulo shards
+  bool resume = false;                     ///< go on with the run in `out`: cases that ended there are not run again
+  double budget_seconds = 0.0;             ///< 0: none; cases not begun when it is spent are left out and said to be
+  std::filesystem::path history;           ///< database of earlier runs; empty: none
+  bool quiet = false;                      ///< no progress, no summary
   std::string replay = "./plumbline run";  ///< what a case's name is put behind to repeat it
 };
 
-/// Runs the cases and writes cases.jsonl (as it goes), results.json, junit.xml, report.md and index.html into options.out.
-/// A case that throws is recorded as an error and the others run on. Throws InputError where --resume meets another run.
+/// Runs the cases and writes cases.jsonl (as it goes), results.json, junit.xml, report.md and index.html into
+/// options.out. A case that throws is recorded as an error and the others run on. Throws InputError where --resume
+/// meets another run.
 RunRecord run_cases(const std::vector<Case>& cases, const RunOptions& options);
 
 /// 0 where everything passed, 1 where a case failed, ended in an error or was left out.

@@ -2,10 +2,10 @@
 // Runs: what is recorded, what a resumed run does again, and what its exit status is.
 #include "harness/run.h"
 
+#include <unistd.h>
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <set>
-#include <unistd.h>
 
 #include "reports/journal.h"
 #include "scenes/error.h"
@@ -30,7 +30,8 @@ Case made_up(const std::string& name, int& runs, CaseStatus status = CaseStatus:
 
 /// A folder of its own for each test, removed at the end.
 struct Folder {
-  std::filesystem::path path = std::filesystem::temp_directory_path() / ("plumbline_run_test_" + std::to_string(::getpid()));
+  std::filesystem::path path =
+      std::filesystem::temp_directory_path() / ("plumbline_run_test_" + std::to_string(::getpid()));
   Folder() { std::filesystem::remove_all(path); }
   ~Folder() { std::filesystem::remove_all(path); }
 };
@@ -46,7 +47,8 @@ RunOptions options_in(const Folder& folder) {
 TEST_CASE("A failing case and a throwing case fail the run, and the others run on") {
   const Folder folder;
   int good = 0, bad = 0, broken = 0;
-  const RunRecord run = run_cases({made_up("made_up.broken", broken, CaseStatus::error), made_up("made_up.bad", bad, CaseStatus::failed), made_up("made_up.good", good)},
+  const RunRecord run = run_cases({made_up("made_up.broken", broken, CaseStatus::error),
+                                   made_up("made_up.bad", bad, CaseStatus::failed), made_up("made_up.good", good)},
                                   options_in(folder));
   CHECK(good == 1);
   REQUIRE(run.cases.size() == 3);
@@ -54,7 +56,8 @@ TEST_CASE("A failing case and a throwing case fail the run, and the others run o
   CHECK(run.cases[0].message == "the case broke");
   CHECK(exit_status(run) == 1);
   CHECK(exit_status(run_cases({made_up("made_up.good", good)}, options_in(folder))) == 0);
-  for (const char* file : {"index.html", "results.json", "junit.xml", "report.md", "cases.jsonl"}) CHECK(std::filesystem::exists(folder.path / file));
+  for (const char* file : {"index.html", "results.json", "junit.xml", "report.md", "cases.jsonl"})
+    CHECK(std::filesystem::exists(folder.path / file));
 }
 
 TEST_CASE("A resumed run does only what is left, and refuses another run's folder") {

@@ -9,8 +9,8 @@
 namespace plumbline {
 
 struct ListedScene {
-  std::string name;  ///< as it stands in case names: "sphereflake_3", "bunny"
-  std::string spec;  ///< what load_scene takes
+  std::string name;          ///< as it stands in case names: "sphereflake_3", "bunny"
+  std::string spec;          ///< what load_scene takes
   bool closed = false;       ///< known to be one closed mesh
   bool has_spheres = false;  ///< known to hold sphere primitives
 };

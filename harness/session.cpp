@@ -42,12 +42,15 @@ Stage& Session::stage(const std::string& spec) {
   return install(std::make_unique<Stage>(spec, load_scene(spec)));
 }
 
-Stage& Session::stage(const std::string& spec, Scene scene) { return install(std::make_unique<Stage>(spec, std::move(scene))); }
+Stage& Session::stage(const std::string& spec, Scene scene) {
+  return install(std::make_unique<Stage>(spec, std::move(scene)));
+}
 
 Stage& Session::install(std::unique_ptr<Stage> stage) {
   uploaded_.clear();
   stage_ = std::move(stage);
-  if (stage_->scene.primitive_count() > 0) stage_->rays.set_captured(capture_secondary_rays(*this, *stage_, kSecondarySources));
+  if (stage_->scene.primitive_count() > 0)
+    stage_->rays.set_captured(capture_secondary_rays(*this, *stage_, kSecondarySources));
   return *stage_;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a run keeps while it goes from case to case: the GL context, and one scene at a time with everything that both tracers
-// build of it.
+// What a run keeps while it goes from case to case: the GL context, and one scene at a time with everything that both
+// tracers build of it.
 #pragma once
 
 #include <map>
@@ -66,8 +66,8 @@ class Session {
   std::map<std::string, const GeometryImage*> uploaded_;
 };
 
-/// The rays that a renderer would send on from what the camera sees: mirrored at the surface, and towards each light. From `count` camera rays,
-/// traced by the production tracer itself.
+/// The rays that a renderer would send on from what the camera sees: mirrored at the surface, and towards each light.
+/// From `count` camera rays, traced by the production tracer itself.
 std::vector<Ray> capture_secondary_rays(Session& session, const Stage& stage, std::size_t count);
 
 }  // namespace plumbline

@@ -27,9 +27,11 @@ std::vector<Variant> all_variants() {
     variants.push_back({name, what, o});
   };
   for (const int size : {1, 2, 3, 5, 8})
-    add("leaf_" + std::to_string(size), "At most " + std::to_string(size) + " primitives in a leaf.", [&](BakeOptions& o) { o.tree.leaf_size = size; });
+    add("leaf_" + std::to_string(size), "At most " + std::to_string(size) + " primitives in a leaf.",
+        [&](BakeOptions& o) { o.tree.leaf_size = size; });
   for (const int width : {2, 3, 8})
-    add("width_" + std::to_string(width), "At most " + std::to_string(width) + " children in a node.", [&](BakeOptions& o) { o.tree.width = width; });
+    add("width_" + std::to_string(width), "At most " + std::to_string(width) + " children in a node.",
+        [&](BakeOptions& o) { o.tree.width = width; });
   add("split", "Long triangles are split before the build.", [](BakeOptions& o) { o.tree.split_long = 0.1f; });
   add("image_2048", "An image of 2048 texels a row.", [](BakeOptions& o) { o.width = 2048; });
   add("image_64", "An image that starts at 64 texels a row and grows.", [](BakeOptions& o) { o.width = 64; });

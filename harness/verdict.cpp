@@ -49,15 +49,20 @@ std::string value_outside_bound(const ValueBounds& b, const Hit& hit, const Refe
 /// A relaxation that explains an answer: `amount` of what 32 bits resolve (`bound`) was used.
 struct Relaxation {
   double amount = 0.0, bound = 0.0;
-  double ratio() const { return bound > 0.0 ? amount / bound : (amount > 0.0 ? std::numeric_limits<double>::infinity() : 0.0); }
+  double ratio() const {
+    return bound > 0.0 ? amount / bound : (amount > 0.0 ? std::numeric_limits<double>::infinity() : 0.0);
+  }
 };
 
 /// The exact picture of one ray: what its line meets or passes close by, nearest first.
 class Picture {
  public:
-  Picture(const Judge& judge, const Ray& ray) : judge_(judge), ray_(ray), length_(glm::length(glm::dvec3(ray.direction))) {
+  Picture(const Judge& judge, const Ray& ray)
+      : judge_(judge), ray_(ray), length_(glm::length(glm::dvec3(ray.direction))) {
     const double reach = lateral_bound_of_scene(judge.bounds, ray);
-    const double slack = (2.0 * judge.bounds.longest_edge + 2.0 * reach + 2.0 * std::sqrt(2.0 * judge.bounds.largest_radius * reach + reach * reach)) / length_;
+    const double slack = (2.0 * judge.bounds.longest_edge + 2.0 * reach +
+                          2.0 * std::sqrt(2.0 * judge.bounds.largest_radius * reach + reach * reach)) /
+                         length_;
     crossings_ = judge.arbiter->crossings(ray, reach, slack);
   }
 
@@ -86,8 +91,8 @@ class Picture {
 
   double dt(const Crossing& c) const { return value_bounds(judge_.bounds, ray_, c.primitive, c.t).t; }
 
-  /// Whether 32-bit evaluation may have come to this answer although it is not the exact one; if so, the largest relaxation used. `answered_t` tells
-  /// which of a sphere's two roots the answer means.
+  /// Whether 32-bit evaluation may have come to this answer although it is not the exact one; if so, the largest
+  /// relaxation used. `answered_t` tells which of a sphere's two roots the answer means.
   std::optional<Relaxation> explained(HitKind kind, std::uint32_t primitive, double answered_t) const {
     Relaxation worst;
     const auto use = [&](double amount, double bound) {
@@ -119,7 +124,8 @@ class Picture {
       if (order) continue;
       if (use(x.margin, lateral_bound(judge_.bounds, ray_, x.primitive))) continue;
       // Taken for behind the origin; a sphere's far root must then be beyond the answer, or the ray's end.
-      const bool far_root_matters = !judge_.scene->is_triangle(x.primitive) && x.t_leave > bound && x.t_leave + bound + t_bound < std::min<double>(t, ray_.t_max);
+      const bool far_root_matters = !judge_.scene->is_triangle(x.primitive) && x.t_leave > bound &&
+                                    x.t_leave + bound + t_bound < std::min<double>(t, ray_.t_max);
       if (!far_root_matters && use(x.t * length_, bound * length_)) continue;
       if (std::isfinite(ray_.t_max) && use((ray_.t_max - x.t) * length_, bound * length_)) continue;
       return std::nullopt;
@@ -127,34 +133,43 @@ class Picture {
     return worst;
   }
 
-  /// Whether the answer went through a closed surface: the triangle that it went through, or null. Every triangle that was skipped is near, that
-  /// is met within what 32 bits resolve of its outline; rounding may take the ray past such triangles, but not through the surface:
-  ///   - Triangles that are near and hang together by their corners form a patch. Past a patch that has two facings (a silhouette) or belongs to no
-  ///     closed surface a ray may go; through a patch that faces one way it may not, unless it is the patch that answered, or
-  ///     one in which the ray starts or ends, or that goes on behind the answer.
-  ///   - A ray that goes past a surface crosses it an even number of times. This is asked only where the number is certain: not where a near triangle
-  ///     is seen exactly edge-on, nor where a crossing lies within rounding of the ray's origin, of its end, or of the answer.
+  /// Whether the answer went through a closed surface: the triangle that it went through, or null. Every triangle that
+  /// was skipped is near, that is met within what 32 bits resolve of its outline; rounding may take the ray past such
+  /// triangles, but not through the surface:
+  ///   - Triangles that are near and hang together by their corners form a patch. Past a patch that has two facings (a
+  ///   silhouette) or belongs to no
+  ///     closed surface a ray may go; through a patch that faces one way it may not, unless it is the patch that
+  ///     answered, or one in which the ray starts or ends, or that goes on behind the answer.
+  ///   - A ray that goes past a surface crosses it an even number of times. This is asked only where the number is
+  ///   certain: not where a near triangle
+  ///     is seen exactly edge-on, nor where a crossing lies within rounding of the ray's origin, of its end, or of the
+  ///     answer.
   const Crossing* leaked(HitKind kind, std::uint32_t primitive) const {
     double t = std::numeric_limits<double>::infinity();
     if (kind == HitKind::hit)
       if (const Crossing* c = find(primitive)) t = c->t - dt(*c);
     std::vector<const Crossing*> near;
     for (const Crossing& c : crossings_)
-      if (judge_.scene->is_triangle(c.primitive) && std::abs(c.margin) <= lateral_bound(judge_.bounds, ray_, c.primitive)) near.push_back(&c);
+      if (judge_.scene->is_triangle(c.primitive) &&
+          std::abs(c.margin) <= lateral_bound(judge_.bounds, ray_, c.primitive))
+        near.push_back(&c);
     std::map<std::uint32_t, std::vector<const Crossing*>> skipped;  // by closed component
-    std::set<std::uint32_t> uncertain;                              // components whose number of crossings is not certain
+    std::set<std::uint32_t> uncertain;  // components whose number of crossings is not certain
     for (const Crossing& x : crossings_) {
       if (!x.hit || !is_in_closed_surface(x.primitive) || x.primitive == primitive || !is_within(x, t)) continue;
       const std::vector<const Crossing*> patch = patch_of(x, near);
-      if (std::any_of(patch.begin(), patch.end(), [&](const Crossing* c) { return c->primitive == primitive || !is_within(*c, t); })) {
+      if (std::any_of(patch.begin(), patch.end(),
+                      [&](const Crossing* c) { return c->primitive == primitive || !is_within(*c, t); })) {
         uncertain.insert(judge_.topology->component[x.primitive]);
         continue;
       }
-      if (std::all_of(patch.begin(), patch.end(), [&](const Crossing* c) { return side_of(*c) == side_of(x); })) return &x;
+      if (std::all_of(patch.begin(), patch.end(), [&](const Crossing* c) { return side_of(*c) == side_of(x); }))
+        return &x;
       skipped[judge_.topology->component[x.primitive]].push_back(&x);
     }
     for (const Crossing* c : near)
-      if (c->facing == 0 && is_in_closed_surface(c->primitive)) uncertain.insert(judge_.topology->component[c->primitive]);
+      if (c->facing == 0 && is_in_closed_surface(c->primitive))
+        uncertain.insert(judge_.topology->component[c->primitive]);
     for (const Crossing& c : crossings_) {
       if (c.primitive == primitive || !is_in_closed_surface(c.primitive)) continue;
       const double bound = dt(c);
@@ -167,9 +182,11 @@ class Picture {
   }
 
   bool is_in_closed_surface(std::uint32_t primitive) const {
-    return judge_.topology->is_closed(primitive) && judge_.topology->component_orientable[judge_.topology->component[primitive]];
+    return judge_.topology->is_closed(primitive) &&
+           judge_.topology->component_orientable[judge_.topology->component[primitive]];
   }
-  /// The side of its surface that the line meets: as `facing`, but told alike by all triangles of a surface, however each is wound.
+  /// The side of its surface that the line meets: as `facing`, but told alike by all triangles of a surface, however
+  /// each is wound.
   int side_of(const Crossing& c) const { return judge_.topology->turned[c.primitive] ? -c.facing : c.facing; }
 
   /// Whether the crossing lies between the ray's origin and both its end and `t`, whatever rounding does.
@@ -191,20 +208,22 @@ class Picture {
     return patch;
   }
 
-  /// Whether the crossings, in order of t, are an odd number. Crossings of one point (a shared edge, a corner) count once; where those face both ways
-  /// the ray touches the surface there, and the number tells nothing.
+  /// Whether the crossings, in order of t, are an odd number. Crossings of one point (a shared edge, a corner) count
+  /// once; where those face both ways the ray touches the surface there, and the number tells nothing.
   bool crosses_oddly(const std::vector<const Crossing*>& list) const {
     std::size_t count = 0;
     for (std::size_t i = 0; i < list.size(); ++i) {
-      const bool same_point = i > 0 && list[i]->t == list[i - 1]->t && judge_.topology->share_a_corner(list[i]->primitive, list[i - 1]->primitive);
+      const bool same_point = i > 0 && list[i]->t == list[i - 1]->t &&
+                              judge_.topology->share_a_corner(list[i]->primitive, list[i - 1]->primitive);
       if (same_point && side_of(*list[i]) != side_of(*list[i - 1])) return false;
       count += !same_point;
     }
     return count % 2 == 1;
   }
 
-  /// What is wrong with the values of an answer that is not the exact one; empty if nothing is. On a primitive that the line meets all of them are known.
-  /// Where it passes by, t is known to within the primitive's bound, the normal of a triangle too, and weights lie in [0, 1].
+  /// What is wrong with the values of an answer that is not the exact one; empty if nothing is. On a primitive that the
+  /// line meets all of them are known. Where it passes by, t is known to within the primitive's bound, the normal of a
+  /// triangle too, and weights lie in [0, 1].
   std::string value_error_beside(const Hit& hit) const {
     if (hit.kind != HitKind::hit) return {};
     const Crossing* c = find(hit.primitive);
@@ -218,10 +237,13 @@ class Picture {
     const bool overflow = std::isinf(hit.t) && t + b.t > static_cast<double>(std::numeric_limits<float>::max());
     if (!overflow && !(std::abs(hit.t - t) <= b.t + kSmallest)) return "its t is not that of the primitive";
     const glm::dvec3 at = glm::dvec3(ray_.origin) + t * glm::dvec3(ray_.direction);
-    const double beside = glm::length(glm::dvec3(hit.position) - at), allowed = b.position + b.t * length_ + std::abs(c->margin);
+    const double beside = glm::length(glm::dvec3(hit.position) - at),
+                 allowed = b.position + b.t * length_ + std::abs(c->margin);
     if (!(beside <= allowed + kSmallest)) return "its position lies beside the ray";
     if (!(std::abs(glm::length(glm::dvec3(hit.normal)) - 1.0) <= 0x1p-20)) return "its normal is not of unit length";
-    if (!(hit.barycentrics.x >= 0.0f && hit.barycentrics.y >= 0.0f && hit.barycentrics.x + hit.barycentrics.y <= 1.0f + 0x1p-20f)) return "its weights lie outside the triangle";
+    if (!(hit.barycentrics.x >= 0.0f && hit.barycentrics.y >= 0.0f &&
+          hit.barycentrics.x + hit.barycentrics.y <= 1.0f + 0x1p-20f))
+      return "its weights lie outside the triangle";
     return {};
   }
 
@@ -265,7 +287,8 @@ ReferenceHit at_other_root(const Scene& scene, const Ray& ray, const ReferenceHi
   return other;
 }
 
-/// Once the primitive is settled, values must lie within their bounds of the exact values: which of them does not, empty if all do.
+/// Once the primitive is settled, values must lie within their bounds of the exact values: which of them does not,
+/// empty if all do.
 std::string exact_value_error(const Judge& judge, const Ray& ray, const Hit& tracer, bool other_root) {
   ReferenceHit truth = exact_hit(*judge.scene, ray, tracer.primitive);
   if (other_root) truth = at_other_root(*judge.scene, ray, truth);
@@ -303,7 +326,8 @@ Judgement arbitrate(const Judge& judge, const Ray& ray, const Hit& tracer, const
     const auto why = picture.explained(tracer.kind, tracer.primitive, tracer.t);
     if (!why) {
       j.verdict = Verdict::tracer_wrong;
-      j.reason = "The tracer answered " + answer(tracer.kind, tracer.primitive) + ", which no rounding of its formulas explains.";
+      j.reason = "The tracer answered " + answer(tracer.kind, tracer.primitive) +
+                 ", which no rounding of its formulas explains.";
       return j;
     }
     if (const Crossing* x = picture.leaked(tracer.kind, tracer.primitive)) {
@@ -336,7 +360,8 @@ Judgement arbitrate(const Judge& judge, const Ray& ray, const Hit& tracer, const
 }  // namespace
 
 std::string_view verdict_name(Verdict verdict) {
-  constexpr std::array<std::string_view, kVerdictCount> kNames{"agree", "tie", "grazing", "leak", "tracer_wrong", "reference_wrong", "undefined", "capped"};
+  constexpr std::array<std::string_view, kVerdictCount> kNames{
+      "agree", "tie", "grazing", "leak", "tracer_wrong", "reference_wrong", "undefined", "capped"};
   return kNames[static_cast<std::size_t>(verdict)];
 }
 
@@ -348,13 +373,18 @@ Judge make_judge(const Scene& scene, const Arbiter& arbiter, const Topology& top
   return {&scene, &arbiter, &topology, make_bounds_context(scene)};
 }
 
-Judgement judge(const Judge& judge, const Ray& ray, const Hit& tracer, const ReferenceHit& reference, bool arbitrate_always) {
+Judgement judge(const Judge& judge, const Ray& ray, const Hit& tracer, const ReferenceHit& reference,
+                bool arbitrate_always) {
   if (!is_defined(ray)) {
-    if (tracer.kind == HitKind::undefined) return {Verdict::undefined, false, 0.0, 0.0, {}, "The ray has no answer (SEMANTICS 1.3)."};
+    if (tracer.kind == HitKind::undefined)
+      return {Verdict::undefined, false, 0.0, 0.0, {}, "The ray has no answer (SEMANTICS 1.3)."};
     return {Verdict::tracer_wrong, false, 0.0, 0.0, {}, "The ray has no answer, but the tracer gave one."};
   }
-  if (tracer.kind == HitKind::capped) return {Verdict::capped, false, 0.0, 0.0, {}, "The tracer's walk did not end within the number of cells of the image."};
-  if (tracer.kind == HitKind::undefined) return {Verdict::tracer_wrong, false, 0.0, 0.0, {}, "The ray has an answer, but the tracer called it undefined."};
+  if (tracer.kind == HitKind::capped)
+    return {
+        Verdict::capped, false, 0.0, 0.0, {}, "The tracer's walk did not end within the number of cells of the image."};
+  if (tracer.kind == HitKind::undefined)
+    return {Verdict::tracer_wrong, false, 0.0, 0.0, {}, "The ray has an answer, but the tracer called it undefined."};
   if (tracer.kind == HitKind::hit && tracer.primitive >= judge.scene->primitive_count())
     return {Verdict::tracer_wrong, false, 0.0, 0.0, {}, "The tracer named a primitive that does not exist."};
   if (!arbitrate_always && tracer.kind == reference.kind) {
@@ -376,12 +406,16 @@ namespace {
 
 /// Keeps the worst few of each verdict: those that used most of what 32 bits resolve, then the first.
 void prune(std::vector<JudgedRay>& kept) {
-  const auto ratio = [](const JudgedRay& r) { return r.judgement.bound > 0.0 ? r.judgement.margin / r.judgement.bound : 0.0; };
+  const auto ratio = [](const JudgedRay& r) {
+    return r.judgement.bound > 0.0 ? r.judgement.margin / r.judgement.bound : 0.0;
+  };
   std::stable_sort(kept.begin(), kept.end(), [&](const JudgedRay& a, const JudgedRay& b) {
     return ratio(a) != ratio(b) ? ratio(a) > ratio(b) : a.index < b.index;
   });
   std::array<std::size_t, kVerdictCount> count{};
-  std::erase_if(kept, [&](const JudgedRay& r) { return ++count[static_cast<std::size_t>(r.judgement.verdict)] > kept_of(r.judgement.verdict); });
+  std::erase_if(kept, [&](const JudgedRay& r) {
+    return ++count[static_cast<std::size_t>(r.judgement.verdict)] > kept_of(r.judgement.verdict);
+  });
 }
 
 void merge(Tally& into, const Tally& from) {
@@ -395,8 +429,9 @@ void merge(Tally& into, const Tally& from) {
 
 }  // namespace
 
-void judge_batch(const Judge& judge_data, std::span<const Ray> rays, std::span<const Hit> tracer, std::span<const ReferenceHit> reference,
-                 std::uint64_t first_index, std::uint64_t seed, std::uint32_t sample_one_in, Tally& tally, std::span<Verdict> verdicts) {
+void judge_batch(const Judge& judge_data, std::span<const Ray> rays, std::span<const Hit> tracer,
+                 std::span<const ReferenceHit> reference, std::uint64_t first_index, std::uint64_t seed,
+                 std::uint32_t sample_one_in, Tally& tally, std::span<Verdict> verdicts) {
   PLUMBLINE_ASSERT(verdicts.empty() || verdicts.size() == rays.size());
   PLUMBLINE_ASSERT(tracer.size() == rays.size() && reference.size() == rays.size());
   const std::uint64_t salt = mix64(seed ^ name_hash("arbitrated sample"));
@@ -412,7 +447,8 @@ void judge_batch(const Judge& judge_data, std::span<const Ray> rays, std::span<c
           if (!verdicts.empty()) verdicts[i] = j.verdict;
           part.arbitrated += j.arbitrated;
           part.sampled += sample && j.arbitrated;
-          if (j.verdict == Verdict::grazing && j.bound > 0.0) part.max_margin_ratio = std::max(part.max_margin_ratio, j.margin / j.bound);
+          if (j.verdict == Verdict::grazing && j.bound > 0.0)
+            part.max_margin_ratio = std::max(part.max_margin_ratio, j.margin / j.bound);
           const bool first_few = ++kept[static_cast<std::size_t>(j.verdict)] <= kept_of(j.verdict);
           if (j.verdict == Verdict::grazing || (j.verdict != Verdict::agree && first_few))
             part.kept.push_back({index, rays[i], tracer[i], reference[i], std::move(j)});
@@ -438,10 +474,14 @@ std::string hex_vector(const glm::vec3& v) { return hex_float(v.x) + "," + hex_f
 std::string describe(const Hit& hit) {
   char text[160];
   switch (hit.kind) {
-    case HitKind::miss: return "miss";
-    case HitKind::undefined: return "undefined";
-    case HitKind::capped: return "capped";
-    case HitKind::hit: break;
+    case HitKind::miss:
+      return "miss";
+    case HitKind::undefined:
+      return "undefined";
+    case HitKind::capped:
+      return "capped";
+    case HitKind::hit:
+      break;
   }
   std::snprintf(text, sizeof text, "hit %u at t = %.9g", hit.primitive, static_cast<double>(hit.t));
   return text;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One ray, two answers, one verdict (design: hit by hit). Rays on which both tracers agree are settled by bounds; all others,
-// and a random sample of the agreeing ones, go to the exact arbiter.
+// One ray, two answers, one verdict (design: hit by hit). Rays on which both tracers agree are settled by bounds; all
+// others, and a random sample of the agreeing ones, go to the exact arbiter.
 #pragma once
 
 #include <array>
@@ -20,7 +20,8 @@ namespace plumbline {
 enum class Verdict : std::uint8_t { agree, tie, grazing, leak, tracer_wrong, reference_wrong, undefined, capped };
 inline constexpr std::size_t kVerdictCount = 8;
 inline constexpr std::array<Verdict, kVerdictCount> kVerdicts{
-    Verdict::agree, Verdict::tie, Verdict::grazing, Verdict::leak, Verdict::tracer_wrong, Verdict::reference_wrong, Verdict::undefined, Verdict::capped};
+    Verdict::agree,           Verdict::tie,       Verdict::grazing, Verdict::leak, Verdict::tracer_wrong,
+    Verdict::reference_wrong, Verdict::undefined, Verdict::capped};
 std::string_view verdict_name(Verdict verdict);
 /// True for the verdicts that fail a case by themselves: leak, tracer_wrong and capped.
 bool is_failure(Verdict verdict);
@@ -45,7 +46,8 @@ struct Judge {
 Judge make_judge(const Scene& scene, const Arbiter& arbiter, const Topology& topology);
 
 /// Judges one ray. With `arbitrate_always` exact arithmetic is asked even where both agree.
-Judgement judge(const Judge& judge, const Ray& ray, const Hit& tracer, const ReferenceHit& reference, bool arbitrate_always = false);
+Judgement judge(const Judge& judge, const Ray& ray, const Hit& tracer, const ReferenceHit& reference,
+                bool arbitrate_always = false);
 
 /// A judged ray that is worth keeping.
 struct JudgedRay {
@@ -59,18 +61,21 @@ struct JudgedRay {
 /// Verdicts of a batch or of a whole case.
 struct Tally {
   std::array<std::uint64_t, kVerdictCount> count{};
-  std::uint64_t arbitrated = 0;        ///< rays that exact arithmetic decided, the sample of agreeing rays included
-  std::uint64_t sampled = 0;           ///< agreeing rays that were arbitrated all the same
-  double max_margin_ratio = 0.0;       ///< largest margin over bound of the grazing rays
-  std::vector<JudgedRay> kept;         ///< the worst few of each verdict but agree: grazing rays by margin over bound, others by number
+  std::uint64_t arbitrated = 0;   ///< rays that exact arithmetic decided, the sample of agreeing rays included
+  std::uint64_t sampled = 0;      ///< agreeing rays that were arbitrated all the same
+  double max_margin_ratio = 0.0;  ///< largest margin over bound of the grazing rays
+  std::vector<JudgedRay>
+      kept;  ///< the worst few of each verdict but agree: grazing rays by margin over bound, others by number
   std::uint64_t rays() const;
   std::uint64_t operator[](Verdict verdict) const { return count[static_cast<std::size_t>(verdict)]; }
 };
 
 /// Judges a batch on all cores and adds it to `tally`. Ray i has number first_index + i. About one agreeing ray in
-/// `sample_one_in` is arbitrated, chosen by a hash of (seed, number). `verdicts`, if it is not empty, receives each ray's verdict.
-void judge_batch(const Judge& judge, std::span<const Ray> rays, std::span<const Hit> tracer, std::span<const ReferenceHit> reference,
-                 std::uint64_t first_index, std::uint64_t seed, std::uint32_t sample_one_in, Tally& tally, std::span<Verdict> verdicts = {});
+/// `sample_one_in` is arbitrated, chosen by a hash of (seed, number). `verdicts`, if it is not empty, receives each
+/// ray's verdict.
+void judge_batch(const Judge& judge, std::span<const Ray> rays, std::span<const Hit> tracer,
+                 std::span<const ReferenceHit> reference, std::uint64_t first_index, std::uint64_t seed,
+                 std::uint32_t sample_one_in, Tally& tally, std::span<Verdict> verdicts = {});
 
 /// "hit 812 at t = 3.2000003, position (1, 2, 3)", "miss", ...
 std::string describe(const Hit& hit);

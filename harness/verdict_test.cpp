@@ -18,7 +18,11 @@ struct Bench {
   Topology topology;
   Arbiter arbiter;
   Judge judge;
-  explicit Bench(Scene s) : scene(std::move(s)), topology(make_topology(scene)), arbiter(scene), judge(make_judge(scene, arbiter, topology)) {}
+  explicit Bench(Scene s)
+      : scene(std::move(s)),
+        topology(make_topology(scene)),
+        arbiter(scene),
+        judge(make_judge(scene, arbiter, topology)) {}
 };
 
 Scene triangles(std::vector<glm::vec3> positions, std::vector<std::array<std::uint32_t, 3>> faces) {
@@ -38,11 +42,14 @@ Hit tracer_hit(const Scene& scene, const Ray& ray, std::uint32_t primitive) {
   const ReferenceHit truth = exact_hit(scene, ray, primitive);
   Hit h;
   h.kind = HitKind::hit, h.primitive = primitive;
-  h.t = static_cast<float>(truth.t), h.position = truth.position, h.normal = truth.normal, h.barycentrics = glm::max(truth.barycentrics, 0.0);  // the tracer's are never negative
+  h.t = static_cast<float>(truth.t), h.position = truth.position, h.normal = truth.normal,
+  h.barycentrics = glm::max(truth.barycentrics, 0.0);  // the tracer's are never negative
   return h;
 }
 
-ReferenceHit reference_hit(const Scene& scene, const Ray& ray, std::uint32_t primitive) { return exact_hit(scene, ray, primitive); }
+ReferenceHit reference_hit(const Scene& scene, const Ray& ray, std::uint32_t primitive) {
+  return exact_hit(scene, ray, primitive);
+}
 
 }  // namespace
 
@@ -88,14 +95,18 @@ TEST_CASE("A hair beside the edge is grazing, a thousandth beside it is wrong") 
   nonsense.normal = glm::vec3(std::nanf(""));
   CHECK(judge(b.judge, hair, nonsense, reference_hit(b.scene, hair, 0)).verdict == Verdict::tracer_wrong);
   const Ray wide{{0.501f, 0.5f, 2.0f}, {0, 0, -1}};
-  CHECK(judge(b.judge, wide, tracer_hit(b.scene, wide, 1), reference_hit(b.scene, wide, 0)).verdict == Verdict::tracer_wrong);
-  CHECK(judge(b.judge, wide, tracer_hit(b.scene, wide, 0), reference_hit(b.scene, wide, 1)).verdict == Verdict::reference_wrong);
+  CHECK(judge(b.judge, wide, tracer_hit(b.scene, wide, 1), reference_hit(b.scene, wide, 0)).verdict ==
+        Verdict::tracer_wrong);
+  CHECK(judge(b.judge, wide, tracer_hit(b.scene, wide, 0), reference_hit(b.scene, wide, 1)).verdict ==
+        Verdict::reference_wrong);
 }
 
 TEST_CASE("The first hit instead of the nearest is wrong") {
-  const Bench b(triangles({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, -1}, {1, 0, -1}, {0, 1, -1}}, {{0, 1, 2}, {3, 4, 5}}));
+  const Bench b(
+      triangles({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, -1}, {1, 0, -1}, {0, 1, -1}}, {{0, 1, 2}, {3, 4, 5}}));
   const Ray ray{{0.25f, 0.25f, 2.0f}, {0, 0, -1}};
-  CHECK(judge(b.judge, ray, tracer_hit(b.scene, ray, 1), reference_hit(b.scene, ray, 0)).verdict == Verdict::tracer_wrong);
+  CHECK(judge(b.judge, ray, tracer_hit(b.scene, ray, 1), reference_hit(b.scene, ray, 0)).verdict ==
+        Verdict::tracer_wrong);
   CHECK(judge(b.judge, ray, Hit{}, reference_hit(b.scene, ray, 0)).verdict == Verdict::tracer_wrong);
 }
 

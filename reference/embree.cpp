@@ -57,7 +57,8 @@ class FlushDenormals {
   unsigned saved_;
 };
 
-/// Puts MXCSR back when it goes: opening a device leaves denormals flushed in the calling thread, and threads that TBB starts afterwards would inherit it.
+/// Puts MXCSR back when it goes: opening a device leaves denormals flushed in the calling thread, and threads that TBB
+/// starts afterwards would inherit it.
 class KeepFloatingPoint {
  public:
   KeepFloatingPoint() : saved_(_mm_getcsr()) {

@@ -72,8 +72,9 @@ Scene load_scene(std::string_view spec) {
     const auto size = parse_integer(spec.substr(colon + 1));
     const Generator& generator = *find_generator(name);
     if (!size || *size < generator.min_size || *size > generator.max_size) {
-      throw InputError(shown(spec) + ": the size must be a whole number from " + std::to_string(generator.min_size) + " to " +
-                       std::to_string(generator.max_size) + ", as in \"" + std::string(name) + ":" + std::to_string(generator.default_size) + "\"");
+      throw InputError(shown(spec) + ": the size must be a whole number from " + std::to_string(generator.min_size) +
+                       " to " + std::to_string(generator.max_size) + ", as in \"" + std::string(name) + ":" +
+                       std::to_string(generator.default_size) + "\"");
     }
     return generate_scene(name, static_cast<int>(*size));
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Two halves of a loop at once: for the copying between rays, textures and hits, which would else keep one core busy and the others waiting.
+// Two halves of a loop at once: for the copying between rays, textures and hits, which would else keep one core busy
+// and the others waiting.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +8,8 @@
 
 namespace plumbline {
 
-/// Calls work(half, first, end) for both halves of [0, count), half 0 on a thread of its own where it is worth one. Returns when both are done.
+/// Calls work(half, first, end) for both halves of [0, count), half 0 on a thread of its own where it is worth one.
+/// Returns when both are done.
 template <typename Work>
 void in_halves(std::size_t count, const Work& work) {
   constexpr std::size_t kWorthAThread = 1 << 14;
