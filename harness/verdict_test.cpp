@@ -117,7 +117,7 @@ TEST_CASE("Both wrong together is seen by the arbiter alone") {
   CHECK(judge(b.judge, ray, Hit{}, ReferenceHit{}, true).verdict == Verdict::tracer_wrong);
 }
 
-TEST_CASE("A ray that slips through an edge of a closed mesh is a leak; one that passes by a silhouette is grazing") {
+TEST_CASE("A ray that slips through an edge of a closed mesh is a leak, one that passes by a silhouette is grazing") {
   const Bench b(generate_scene("icosphere", 0));
   // Aim at the middle of an edge from straight above it: both triangles face the ray.
   const auto c = b.scene.corners(0);

@@ -205,9 +205,10 @@ TEST_CASE("What load_scene does not know it says, with what it knows") {
     return {};
   };
   CHECK(load_scene("tetra:2").name == "tetra_2");
-  CHECK(message("sphereflake:99").find("takes 1 to 6") != std::string::npos);
+  CHECK(message("sphereflake:99").find("from 1 to 6") != std::string::npos);
   CHECK(message("sphereflake:x").find("whole number") != std::string::npos);
   CHECK(message("sphereflake:-1").find("whole number") != std::string::npos);
+  CHECK(message("grid:0").find("from 1 to") != std::string::npos);
   CHECK(message("teapott").find("neither a file nor a generator") != std::string::npos);
   CHECK(message("teapott").find("sphereflake") != std::string::npos);
   CHECK(message("teapott").find(".nff") != std::string::npos);

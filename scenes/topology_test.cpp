@@ -41,7 +41,7 @@ TEST_CASE("A cube: 8 vertices, 18 edges, each with two sides, one closed compone
   CHECK_FALSE(topology.is_closed(kNone));
 }
 
-TEST_CASE("A missing triangle opens a surface; one too many does too") {
+TEST_CASE("A missing triangle opens a surface, one too many does too") {
   Scene scene = generate_scene("icosphere", 2);
   scene.triangles.pop_back();
   Topology topology = make_topology(scene);
