@@ -38,18 +38,21 @@ enum class HitKind : std::uint32_t {
 struct Hit {
   HitKind kind = HitKind::miss;
   std::uint32_t primitive = kNone;                   ///< see Scene; kNone unless kind is hit
+  std::uint32_t instance = kNone;                    ///< the node that placed it; kNone in world space
   float t = std::numeric_limits<float>::infinity();  ///< in units of the ray's direction
   glm::vec3 position{0.0f};                          ///< world space
   glm::vec3 normal{0.0f};             ///< geometric, of unit length, world space; not turned towards the ray
   glm::vec2 barycentrics{0.0f};       ///< weights of the second and third corner; 0 for spheres
   std::uint32_t steps = 0;            ///< cells visited
   std::uint32_t primitive_tests = 0;  ///< primitives tested
+  std::uint32_t transforms = 0;       ///< transforms entered
 };
 
 /// What the reference answers, in double precision.
 struct ReferenceHit {
   HitKind kind = HitKind::miss;
   std::uint32_t primitive = kNone;
+  std::uint32_t instance = kNone;
   double t = std::numeric_limits<double>::infinity();
   glm::dvec3 position{0.0};
   glm::dvec3 normal{0.0};

@@ -47,10 +47,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <glm/glm.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "scenes/scene.h"
+#include "tracer/scene_tree.h"
 #include "tracer/sphere_tree.h"
 
 namespace plumbline {
@@ -67,11 +69,18 @@ inline constexpr std::uint32_t kMaxPrimitives = (1u << 24) - 2;  ///< labels are
 enum class Layout { paper, compact };
 enum class Bounds { sphere, aabb };
 enum class Links { threaded, octant };
+/// What a ray becomes when it leaves a transform: its own self of before, by the inverse of what took it in (the paper;
+/// rounding adds up), or derived anew from the world's ray (nothing adds up).
+enum class TransformOut { inverse, restore };
+/// Where transforms stand: in a tree over their bounds, or all at the root in a list (the paper).
+enum class TransformList { tree, root };
 
 struct BakeOptions {
   Layout layout = Layout::compact;
   Bounds bounds = Bounds::sphere;
   Links links = Links::octant;
+  TransformOut transform_out = TransformOut::restore;
+  TransformList transform_list = TransformList::tree;
   int width = 512;  ///< texels, a power of two, 16 to 16384; grows to what the tree needs
   TreeOptions tree;
 };
@@ -99,10 +108,21 @@ struct GeometryImage {
 
 /// Bakes a tree of the scene. Throws InputError where the image would outgrow 16384 x 16384 texels or what the format
 /// can number, for options out of range, and for coordinates that are not finite.
-GeometryImage bake(const Scene& scene, const SphereTree& tree, const BakeOptions& options = {});
+GeometryImage bake(const Scene& scene, const SceneTree& tree, const BakeOptions& options = {});
 
-/// Builds the tree that `options.tree` asks for and bakes it.
+/// Builds the trees that `options` ask for and bakes them.
 GeometryImage bake(const Scene& scene, const BakeOptions& options = {});
+
+/// Texels that follow one another, row after row.
+struct TexelRange {
+  std::uint32_t first = 0, count = 0;
+};
+
+/// Brings the image up to date with scene.nodes after the transforms of the nodes `moved` changed: rewrites their cells
+/// and the spheres above them, in place. Returns the texels whose bits changed, ascending. The image then equals
+/// bake(scene, tree) bit for bit. `tree` and `image` must belong together and to the scene.
+std::vector<TexelRange> update_transforms(const Scene& scene, std::span<const std::uint32_t> moved, SceneTree& tree,
+                                          GeometryImage& image);
 
 /// Walks the image on the CPU and says what is wrong with it, one line per finding; empty where it is sound: from each
 /// start, a walk that enters every node visits every primitive and ends within cell_count nodes, and so does one that
@@ -123,5 +143,7 @@ std::uint32_t primitive_stride(Layout layout, bool has_triangles);
 const char* name_of(Layout layout);
 const char* name_of(Bounds bounds);
 const char* name_of(Links links);
+const char* name_of(TransformOut out);
+const char* name_of(TransformList list);
 
 }  // namespace plumbline

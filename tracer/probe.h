@@ -38,6 +38,13 @@ class Probe {
   /// that this probe has held before.
   void set_image(const GeometryImage& image);
 
+  /// Uploads the texels of an image that this probe holds already and that update_transforms has changed, and no
+  /// others.
+  void update(const GeometryImage& image, std::span<const TexelRange> changed);
+
+  /// Texels that the last set_image() or update() has sent to the driver.
+  std::uint64_t texels_uploaded() const;
+
   /// Seconds spent in the driver by the last trace(): drawing until the results were there, without upload and
   /// unpacking.
   double draw_seconds() const;
