@@ -115,6 +115,9 @@ void record_tally(const Tally& tally, const std::string& spec, CaseRecord& recor
   }
   record.message = std::to_string(tally.arbitrated) + " rays went to exact arithmetic, " +
                    std::to_string(tally.sampled) + " of them by chance";
+  if (const std::size_t most = kept_of(Verdict::reference_wrong); tally[Verdict::reference_wrong] > most)
+    record.message += "; of " + std::to_string(tally[Verdict::reference_wrong]) + " rays that Embree has wrong, " +
+                      std::to_string(most) + " are listed";
 }
 
 std::uint64_t grazing_budget(const Stage& stage, RayFamily family, std::uint64_t rays) {

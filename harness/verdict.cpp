@@ -19,8 +19,6 @@
 namespace plumbline {
 namespace {
 
-/// How many rays of each verdict are kept: more of those that somebody has to look at.
-std::size_t kept_of(Verdict verdict) { return is_failure(verdict) || verdict == Verdict::reference_wrong ? 24 : 6; }
 /// The smallest normal float: what the driver flushes to zero cannot be held against it.
 constexpr double kSmallest = 0x1p-126;
 
@@ -367,6 +365,11 @@ std::string_view verdict_name(Verdict verdict) {
 
 bool is_failure(Verdict verdict) {
   return verdict == Verdict::leak || verdict == Verdict::tracer_wrong || verdict == Verdict::capped;
+}
+
+std::size_t kept_of(Verdict verdict) {
+  if (verdict == Verdict::reference_wrong) return 4096;
+  return is_failure(verdict) ? 24 : 6;
 }
 
 Judge make_judge(const Scene& scene, const Arbiter& arbiter, const Topology& topology) {

@@ -25,6 +25,9 @@ inline constexpr std::array<Verdict, kVerdictCount> kVerdicts{
 std::string_view verdict_name(Verdict verdict);
 /// True for the verdicts that fail a case by themselves: leak, tracer_wrong and capped.
 bool is_failure(Verdict verdict);
+/// How many rays of a verdict a case keeps. Of the reference's own errors all are listed, up to a number that no case
+/// has come near; of others the worst few.
+std::size_t kept_of(Verdict verdict);
 
 /// The verdict on one ray and what it rests on.
 struct Judgement {
@@ -64,8 +67,8 @@ struct Tally {
   std::uint64_t arbitrated = 0;   ///< rays that exact arithmetic decided, the sample of agreeing rays included
   std::uint64_t sampled = 0;      ///< agreeing rays that were arbitrated all the same
   double max_margin_ratio = 0.0;  ///< largest margin over bound of the grazing rays
-  std::vector<JudgedRay>
-      kept;  ///< the worst few of each verdict but agree: grazing rays by margin over bound, others by number
+  /// The worst kept_of() of each verdict but agree: grazing rays by margin over bound, others by number.
+  std::vector<JudgedRay> kept;
   std::uint64_t rays() const;
   std::uint64_t operator[](Verdict verdict) const { return count[static_cast<std::size_t>(verdict)]; }
 };

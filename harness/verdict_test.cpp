@@ -152,20 +152,24 @@ TEST_CASE("Rays without an answer are undefined, and a tracer that answers them 
   CHECK(judge(b.judge, ray, Hit{}, r).verdict == Verdict::tracer_wrong);
 }
 
-TEST_CASE("A batch counts every ray once and keeps the first few of each verdict") {
+TEST_CASE("A batch counts every ray once and keeps the first few of each verdict, of the reference's errors all") {
   const Bench b(square());
   std::vector<Ray> rays(5000, Ray{{0.7f, 0.2f, 2.0f}, {0, 0, -1}});
   std::vector<Hit> hits(rays.size(), tracer_hit(b.scene, rays[0], 0));
   std::vector<ReferenceHit> truths(rays.size(), reference_hit(b.scene, rays[0], 0));
   for (std::size_t i = 100; i < 200; ++i) hits[i] = Hit{};
+  for (std::size_t i = 1000; i < 2500; ++i) truths[i] = ReferenceHit{};
   Tally tally;
   judge_batch(b.judge, rays, hits, truths, 1000, 1, 16, tally);
   CHECK(tally.rays() == 5000);
   CHECK(tally[Verdict::tracer_wrong] == 100);
-  CHECK(tally[Verdict::agree] == 4900);
+  CHECK(tally[Verdict::reference_wrong] == 1500);
+  CHECK(tally[Verdict::agree] == 3400);
   CHECK(tally.sampled > 200);
   CHECK(tally.sampled < 450);
-  REQUIRE(tally.kept.size() == 24);
+  REQUIRE(tally.kept.size() == 24 + 1500);
   CHECK(tally.kept.front().index == 1100);
-  CHECK(tally.kept.back().index == 1123);
+  CHECK(tally.kept[23].index == 1123);
+  CHECK(tally.kept[24].index == 2000);
+  CHECK(tally.kept.back().index == 3499);
 }

@@ -78,7 +78,9 @@ struct CaseRecord {
   double trace_seconds = 0.0;     ///< of that, tracer and reference tracing
   double max_margin_ratio = 0.0;  ///< largest grazing margin over its bound; below 1 by definition
   std::string replay;             ///< the command that repeats the case
-  std::vector<RayRecord> worst;   ///< at most a few dozen
+  /// All rays that the reference had wrong (up to 4096; `message` says so where there are more), and the worst few of
+  /// each other verdict.
+  std::vector<RayRecord> worst;
   std::vector<PictureRecord> pictures;
   std::vector<Figure> figures;
 };
