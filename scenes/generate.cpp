@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "scenes/generate.h"
 
+#include <algorithm>
 #include <array>
 #include <string>
 
@@ -80,11 +81,26 @@ Scene load_scene(std::string_view spec) {
   }
   const std::filesystem::path path{std::string(spec)};
   std::error_code failure;
-  if (!std::filesystem::exists(path, failure)) {
-    throw InputError(shown(spec) + ": neither a file nor a generator; files end in " + known_endings() +
-                     ", generators are " + known_generators());
+  if (std::filesystem::exists(path, failure)) return read_scene(path);
+  const std::vector<std::string> shipped = shipped_scenes();
+  if (std::find(shipped.begin(), shipped.end(), spec) != shipped.end())
+    return read_scene(std::filesystem::path(PLUMBLINE_SCENE_FOLDER) / (std::string(spec) + ".json"));
+  std::string known;
+  for (const std::string& scene : shipped) known += (known.empty() ? "" : ", ") + scene;
+  throw InputError(shown(spec) + ": neither a file nor a scene nor a generator; files end in " + known_endings() +
+                   ", scenes are " + known + ", generators are " + known_generators());
+}
+
+std::vector<std::string> shipped_scenes() {
+  std::vector<std::string> names;
+  std::error_code failure;
+  for (const auto& entry : std::filesystem::directory_iterator(PLUMBLINE_SCENE_FOLDER, failure)) {
+    const std::filesystem::path& path = entry.path();
+    // The schema is no scene.
+    if (path.extension() == ".json" && path.stem().extension().empty()) names.push_back(path.stem().string());
   }
-  return read_scene(path);
+  std::sort(names.begin(), names.end());
+  return names;
 }
 
 }  // namespace plumbline

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "scenes/scene.h"
 
@@ -25,8 +27,13 @@ std::span<const Generator> generators();
 /// for an unknown name or a size out of range, listing what is known.
 Scene generate_scene(std::string_view name, int size = 0);
 
-/// A scene from what a user types: a path of a scene file, or a generator "sphereflake" or "sphereflake:4".
+/// A scene from what a user types: a generator "sphereflake" or "sphereflake:4", else the path of a file, else one of
+/// the shipped scenes by name: "nested" is scenes/nested.json, wherever the program is started.
 /// Throws InputError as read_scene and generate_scene do.
 Scene load_scene(std::string_view spec);
+
+/// The names of the scene files that come with Plumbline, in alphabetical order; none where the folder that it was
+/// built from is gone.
+std::vector<std::string> shipped_scenes();
 
 }  // namespace plumbline

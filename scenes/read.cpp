@@ -9,6 +9,7 @@
 
 #include "scenes/error.h"
 #include "scenes/read_formats.h"
+#include "scenes/read_scene_file.h"
 #include "scenes/text_file.h"
 
 namespace plumbline {
@@ -16,9 +17,10 @@ namespace {
 
 struct Format {
   std::string_view ending;
-  Scene (*read)(const std::filesystem::path&, std::string&& text);
+  Scene (*read)(const std::filesystem::path&, std::string&& content);
+  bool is_text = true;
 };
-constexpr std::array<Format, 2> kFormats = {{{".nff", read_nff}, {".obj", read_obj}}};
+constexpr std::array<Format, 3> kFormats = {{{".nff", read_nff}, {".obj", read_obj}, {".json", read_scene_file}}};
 
 /// A number may be a float and what is built from it too large for one.
 void check_extent(const Scene& scene, const std::string& file) {
@@ -46,10 +48,10 @@ Scene read_scene(const std::filesystem::path& path) {
   for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   for (const Format& format : kFormats) {
     if (format.ending != ending) continue;
-    Scene scene = format.read(path, read_text_file(path));
+    Scene scene = format.read(path, format.is_text ? read_text_file(path) : read_file(path));
     scene.name = path.stem().string();
     check_extent(scene, path.string());
-    if (scene.primitive_count() == 0) {
+    if (placed_count(scene) == 0) {
       std::string message = path.string() + ": nothing to trace: no triangle or sphere was found";
       for (const std::string& warning : scene.warnings) message.append("; ").append(warning);
       throw InputError(message);

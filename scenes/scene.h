@@ -68,6 +68,20 @@ struct Camera {
   float shutter_open = 0.0f, shutter_close = 0.0f;  ///< seconds of the animation, relative to the time of the frame
 };
 
+/// What a renderer does with a scene beyond one sharp ray through each pixel (design section 6). Read by renderers
+/// alone: no ray of a comparison depends on it. Soft shadows also need lights with a radius, depth of field a camera
+/// with an aperture, motion blur a shutter and an animation.
+struct Effects {
+  enum class Model { paper, physical };
+  Model model = Model::paper;  ///< the densities that are sampled
+  bool antialias = true;
+  bool soft_shadows = true;
+  bool depth_of_field = true;
+  bool motion_blur = true;
+  float glossy = 0.0f;      ///< half-side or radius of what is added to the normal of a reflection; 0: a mirror
+  std::uint32_t depth = 5;  ///< of reflections and refractions, at most 5
+};
+
 /// What a reader found in its file, before polygons, cones and cylinders became triangles.
 struct SourceCounts {
   std::size_t polygons = 0;  ///< `p`, or OBJ faces without vertex normals
@@ -119,6 +133,7 @@ struct Scene {
   Camera camera;
   bool has_camera = false;  ///< false: `camera` is a view chosen to frame the scene (frame_camera)
   glm::vec3 background{0.0f};
+  Effects effects;
   SourceCounts source;
   std::vector<std::string> warnings;  ///< "file:line: what was done and why", for the user to read
 

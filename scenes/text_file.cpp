@@ -10,7 +10,7 @@
 
 namespace plumbline {
 
-std::string read_text_file(const std::filesystem::path& path) {
+std::string read_file(const std::filesystem::path& path) {
   const std::string name = path.string();
   std::error_code failure;
   const auto status = std::filesystem::status(path, failure);
@@ -25,6 +25,12 @@ std::string read_text_file(const std::filesystem::path& path) {
   if (!file || static_cast<std::size_t>(file.gcount()) != text.size())
     throw InputError(name + ": cannot be read to its end");
   if (text.empty()) throw InputError(name, 1, "the file is empty");
+  return text;
+}
+
+std::string read_text_file(const std::filesystem::path& path) {
+  const std::string name = path.string();
+  std::string text = read_file(path);
   const std::size_t nul = text.find('\0');
   if (nul != std::string::npos) {
     std::string before = text.substr(0, nul) + " ";

@@ -17,6 +17,10 @@ struct TextLine {
   std::size_t number = 1;
 };
 
+/// The whole file, of any bytes. Throws InputError for what is missing, a folder, not a plain file, unreadable or
+/// empty.
+std::string read_file(const std::filesystem::path& path);
+
 /// The whole file. Throws InputError for what is missing, a folder, not a plain file, unreadable, empty, or no text (a
 /// NUL byte), with the line where there is one.
 std::string read_text_file(const std::filesystem::path& path);
