@@ -69,6 +69,8 @@ void write_geometry_image(const GeometryImage& image, const std::filesystem::pat
   set("layout", std::string(name_of(image.options.layout)));
   set("bounds", std::string(name_of(image.options.bounds)));
   set("links", std::string(name_of(image.options.links)));
+  set("transform_out", std::string(name_of(image.options.transform_out)));
+  set("transform_list", std::string(name_of(image.options.transform_list)));
   set("asked_width", image.options.width);
   set("leaf_size", image.options.tree.leaf_size);
   set("tree_width", image.options.tree.width);
@@ -83,6 +85,9 @@ void write_geometry_image(const GeometryImage& image, const std::filesystem::pat
   set_count("spheres", image.sphere_count);
   set_count("primitives", image.primitive_count);
   set_count("primitive_start", image.primitive_start);
+  set_count("world_primitives", image.world_primitives);
+  set_count("transform_start", image.transform_start);
+  set_count("transforms", image.transform_count);
   set_count("copy_size", image.copy_size);
   set("payload_bits", image.payload_bits);
   write_exr(path, file);
@@ -99,6 +104,8 @@ GeometryImage read_geometry_image(const std::filesystem::path& path) {
   image.options.layout = attributes.choice("layout", Layout::paper, Layout::compact);
   image.options.bounds = attributes.choice("bounds", Bounds::sphere, Bounds::aabb);
   image.options.links = attributes.choice("links", Links::threaded, Links::octant);
+  image.options.transform_out = attributes.choice("transform_out", TransformOut::inverse, TransformOut::restore);
+  image.options.transform_list = attributes.choice("transform_list", TransformList::tree, TransformList::root);
   image.options.width = attributes.integer("asked_width", 1, kMaxImageWidth);
   image.options.tree.leaf_size = attributes.get<int>("leaf_size");
   image.options.tree.width = attributes.get<int>("tree_width");
@@ -114,6 +121,9 @@ GeometryImage read_geometry_image(const std::filesystem::path& path) {
   image.sphere_count = attributes.count("spheres");
   image.primitive_count = attributes.count("primitives");
   image.primitive_start = attributes.count("primitive_start");
+  image.world_primitives = attributes.count("world_primitives");
+  image.transform_start = attributes.count("transform_start");
+  image.transform_count = attributes.count("transforms");
   image.primitive_stride = primitive_stride(image.options.layout, image.triangle_count > 0 || image.sphere_count == 0);
   image.copy_count = image.options.links == Links::octant ? 8 : 1;
   image.copy_size = attributes.count("copy_size");
@@ -126,8 +136,10 @@ GeometryImage read_geometry_image(const std::filesystem::path& path) {
   };
   if (!power_of_two(image.width) || !power_of_two(image.height)) attributes.fail("is not a power of two wide and high");
   const std::uint64_t cells = image.options.layout == Layout::paper ? image.texels.size() / 2 : image.texels.size();
+  const std::uint64_t record_cells = image.options.layout == Layout::paper ? kTransformTexels / 2 : kTransformTexels;
   if (std::uint64_t{image.copy_count} * image.copy_size > image.primitive_start ||
-      image.primitive_start + std::uint64_t{image.primitive_stride} * image.primitive_count > cells) {
+      image.primitive_start + std::uint64_t{image.primitive_stride} * image.primitive_count > cells ||
+      image.transform_start + std::uint64_t{image.transform_count} * record_cells > cells) {
     attributes.fail("has fewer texels than its attributes promise");
   }
   return image;

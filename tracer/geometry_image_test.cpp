@@ -112,8 +112,9 @@ TEST_CASE("compact words are at least the squared radius, and hardly more", "[im
   const Scene scene = generate_scene("sphereflake", 2);
   BakeOptions options;
   options.links = Links::threaded;
-  const SphereTree tree = build_sphere_tree(scene, options.tree);
-  const GeometryImage image = bake(scene, tree, options);
+  const SceneTree trees = build_scene_tree(scene, options.tree);
+  const SphereTree& tree = trees.world;
+  const GeometryImage image = bake(scene, trees, options);
   // Threaded copies keep the tree's own depth-first order, so both can be walked side by side.
   std::vector<std::uint32_t> stack{0};
   std::size_t at = 0;

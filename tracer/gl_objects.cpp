@@ -37,10 +37,17 @@ GlTexture GlTexture::linear(GlContext& context, std::span<const glm::vec4> texel
   return texture;
 }
 
-void GlTexture::update(std::span<const glm::vec4> texels) const {
+void GlTexture::update(std::span<const glm::vec4> texels, std::size_t first) const {
   const GlFunctions& gl = context_->use();
   gl.BindBuffer(GL_TEXTURE_BUFFER, buffer_);
-  gl.BufferSubData(GL_TEXTURE_BUFFER, 0, static_cast<GLsizeiptr>(texels.size_bytes()), texels.data());
+  gl.BufferSubData(GL_TEXTURE_BUFFER, static_cast<GLintptr>(first * sizeof(glm::vec4)),
+                   static_cast<GLsizeiptr>(texels.size_bytes()), texels.data());
+}
+
+void GlTexture::update_row(int x, int y, std::span<const glm::vec4> texels) const {
+  const GlFunctions& gl = context_->use();
+  gl.BindTexture(GL_TEXTURE_2D, name_);
+  gl.TexSubImage2D(GL_TEXTURE_2D, 0, x, y, static_cast<GLsizei>(texels.size()), 1, GL_RGBA, GL_FLOAT, texels.data());
 }
 
 GlTexture::~GlTexture() {

@@ -16,8 +16,10 @@ class GlTexture {
   GlTexture() = default;
   /// A buffer texture: RGBA32F texels in one row of any length up to the driver's limit.
   static GlTexture linear(GlContext& context, std::span<const glm::vec4> texels);
-  /// Replaces the first texels of a buffer texture.
-  void update(std::span<const glm::vec4> texels) const;
+  /// Replaces texels of a buffer texture, from `first` on.
+  void update(std::span<const glm::vec4> texels, std::size_t first = 0) const;
+  /// Replaces a rectangle of one row of an RGBA32F texture.
+  void update_row(int x, int y, std::span<const glm::vec4> texels) const;
   /// Allocates width * height texels, from `texels` if it is not null.
   GlTexture(GlContext& context, GLenum internal_format, GLenum format, GLenum type, int width, int height,
             const void* texels = nullptr);

@@ -21,7 +21,7 @@ namespace plumbline {
 namespace {
 
 constexpr std::size_t kBatch = std::size_t{kBatchWidth} * kBatchHeight;
-constexpr int kTargets = 3;
+constexpr int kTargets = 4;  // the last one where there are transforms
 // Primitives per brute-force pass: a quarter of the iterations that the driver's loops are known to survive.
 constexpr std::uint32_t kBruteForceRange = 16384;
 
@@ -29,15 +29,18 @@ enum Unit { kGeometryUnit = 0, kRayUnit = 1, kStateUnit = 2 };
 
 using Words = glm::uvec4;
 
-Hit unpack(const Words& a, const Words& b, const Words& c) {
+/// What the targets hold of one pixel. `d` is null where there are no transforms.
+Hit unpack(const Words& a, const Words& b, const Words& c, const Words* d) {
   const auto value = [](std::uint32_t word) { return std::bit_cast<float>(word); };
   Hit hit;
   hit.steps = a.z;
   hit.primitive_tests = a.w;
+  hit.transforms = d != nullptr ? d->y : 0;
   switch (a.x & 7u) {
     case kWordHit:
       hit.kind = HitKind::hit;
       hit.primitive = a.x >> 3;
+      hit.instance = d != nullptr ? d->x - 1u : kNone;  // 0: the world
       hit.t = value(a.y);
       hit.position = {value(b.x), value(b.y), value(b.z)};
       hit.normal = {value(c.x), value(c.y), value(c.z)};
@@ -67,13 +70,16 @@ struct Probe::Impl {
   std::vector<std::pair<ProgramVariant, GlProgram>> programs;
   GlTexture geometry, rays, state;
   std::array<GlTexture, kTargets> targets;
-  GlFramebuffer framebuffer;
+  GlFramebuffer plain_framebuffer, framebuffer;  // without the last target, with it
+  int target_count = kTargets - 1;
   // Of the image: what its programs are, how many primitives it has, and the constants of pass_constants.glsl.
   std::array<ProgramVariant, 2> variants;  // of the first pass, of the passes after it
   std::uint32_t primitive_count = 0;
   glm::vec4 ball{0.0f}, factor{0.0f};
-  glm::ivec4 shape{0}, walk{0};
+  glm::ivec4 shape{0}, walk{0}, transforms{0};
   int scale_exponent = 0;
+  bool is_linear = false;
+  std::uint64_t uploaded = 0;
   Ball world_ball;
   double seconds = 0.0;
   int resumed = 0;
@@ -89,6 +95,7 @@ struct Probe::Impl {
     rays = GlTexture::linear(c, ray_texels);
     for (GlTexture& target : targets)
       target = GlTexture(c, GL_RGBA32UI, GL_RGBA_INTEGER, GL_UNSIGNED_INT, kBatchWidth, kBatchHeight);
+    plain_framebuffer = GlFramebuffer(c, targets.data(), kTargets - 1);
     framebuffer = GlFramebuffer(c, targets.data(), kTargets);
     for (auto& result : results) result.resize(kBatch);
   }
@@ -118,9 +125,16 @@ struct Probe::Impl {
     geometry = image.options.layout == Layout::compact
                    ? GlTexture::linear(*context, image.texels)
                    : GlTexture(*context, GL_RGBA32F, GL_RGBA, GL_FLOAT, image.width, image.height, image.texels.data());
+    uploaded = image.texels.size();
+    is_linear = image.options.layout == Layout::compact;
+    set_constants(image);
+  }
+
+  void set_constants(const GeometryImage& image) {
     const auto integer = [](std::uint32_t value) { return static_cast<int>(value); };
     primitive_count = image.primitive_count;
     scale_exponent = image.scale_exponent;
+    target_count = image.transform_count > 0 ? kTargets : kTargets - 1;
     ball = glm::vec4(image.center, image.radius);
     const double to_world = std::ldexp(1.0, -image.scale_exponent);
     world_ball = {glm::dvec3(image.center) * to_world, image.radius * to_world};
@@ -129,6 +143,29 @@ struct Probe::Impl {
              integer(image.primitive_count)};
     walk = {integer(image.copy_size), image.copy_count == 8 ? 7 : 0, (1 << image.payload_bits) - 1,
             integer(image.cell_count)};
+    transforms = {integer(image.transform_start), integer(image.transform_count), integer(image.world_primitives), 0};
+  }
+
+  /// Uploads what update_transforms has changed, and no other texels.
+  void update(const GeometryImage& image, std::span<const TexelRange> changed) {
+    set_constants(image);
+    uploaded = 0;
+    const auto width = static_cast<std::uint32_t>(image.width);
+    for (const TexelRange& range : changed) {
+      uploaded += range.count;
+      std::span<const glm::vec4> texels = std::span(image.texels).subspan(range.first, range.count);
+      if (is_linear) {
+        geometry.update(texels, range.first);
+        continue;
+      }
+      for (std::uint32_t at = range.first; !texels.empty();) {
+        const std::size_t count = std::min<std::size_t>(texels.size(), width - at % width);
+        geometry.update_row(static_cast<int>(at % width), static_cast<int>(at / width), texels.first(count));
+        texels = texels.subspan(count);
+        at += static_cast<std::uint32_t>(count);
+      }
+    }
+    context->check("updating the geometry image");
   }
 
   /// Puts a ray at a pixel of the batch.
@@ -146,9 +183,9 @@ struct Probe::Impl {
     const GlFunctions& gl = context->use();
     if (!state)
       state = GlTexture(*context, GL_RGBA32UI, GL_RGBA_INTEGER, GL_UNSIGNED_INT, kTargets * kBatchWidth, kBatchHeight);
-    state_texels.resize(std::size_t{kTargets} * kBatchWidth * static_cast<std::size_t>(rows));
+    state_texels.resize(static_cast<std::size_t>(target_count * kBatchWidth * rows));
     state.bind(kStateUnit);
-    gl.TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, kTargets * kBatchWidth, rows, GL_RGBA_INTEGER, GL_UNSIGNED_INT,
+    gl.TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, target_count * kBatchWidth, rows, GL_RGBA_INTEGER, GL_UNSIGNED_INT,
                      state_texels.data());
   }
 
@@ -168,14 +205,15 @@ struct Probe::Impl {
     pass.set("u_factor", factor);
     pass.set("u_image", shape);
     pass.set("u_walk", walk);
+    pass.set("u_transforms", transforms);
     pass.set("u_range", glm::ivec4(scale_exponent, resume ? 1 : 0, static_cast<int>(range_end), 0));
-    gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
+    gl.BindFramebuffer(GL_FRAMEBUFFER, (target_count == kTargets ? framebuffer : plain_framebuffer).name());
     gl.Disable(GL_DITHER);
     const auto start = Clock::now();
     pass.draw(kBatchWidth, rows);
     gl.Finish();
     seconds += std::chrono::duration<double>(Clock::now() - start).count();
-    for (int i = 0; i < kTargets; ++i) {
+    for (int i = 0; i < target_count; ++i) {
       gl.ReadBuffer(static_cast<GLenum>(GL_COLOR_ATTACHMENT0 + i));
       gl.ReadPixels(0, 0, kBatchWidth, rows, GL_RGBA_INTEGER, GL_UNSIGNED_INT,
                     results[static_cast<std::size_t>(i)].data());
@@ -194,7 +232,7 @@ struct Probe::Impl {
     in_halves(batch.size(), [&](int, std::size_t first, std::size_t end) {
       for (std::size_t i = first; i < end; ++i) put_ray(places.pixel[i], batch[i]);
     });
-    std::uint32_t range_end = is_brute ? std::min(kBruteForceRange, primitive_count) : primitive_count;
+    std::uint32_t range_end = is_brute ? kBruteForceRange : primitive_count;
     draw(places.rows, false, range_end);
 
     std::array<std::vector<Open>, 2> open_of_half;
@@ -212,11 +250,12 @@ struct Probe::Impl {
       const int rows = static_cast<int>((open.size() + kBatchWidth - 1) / kBatchWidth);
       clear_rays(rows - 1, rows);
       for (std::size_t k = 0; k < open.size(); ++k) {
-        for (const auto& result : results) state_texels.push_back(result[open[k].pixel]);
+        for (int i = 0; i < target_count; ++i)
+          state_texels.push_back(results[static_cast<std::size_t>(i)][open[k].pixel]);
         put_ray(k, batch[open[k].ray]);
       }
       upload_state(rows);
-      range_end = std::min(range_end + kBruteForceRange, primitive_count);
+      range_end = std::min(range_end + kBruteForceRange, std::uint32_t{1} << 30);
       draw(rows, true, range_end);
       std::vector<Open> still_open;
       for (std::size_t k = 0; k < open.size(); ++k) take(open[k].ray, static_cast<std::uint32_t>(k), hits, still_open);
@@ -233,7 +272,8 @@ struct Probe::Impl {
     if ((results[0][pixel].x & 7u) == kWordUnfinished) {
       open.push_back({ray, pixel});
     } else {
-      hits[ray] = unpack(results[0][pixel], results[1][pixel], results[2][pixel]);
+      hits[ray] = unpack(results[0][pixel], results[1][pixel], results[2][pixel],
+                         target_count == kTargets ? &results[3][pixel] : nullptr);
     }
   }
 };
@@ -257,6 +297,9 @@ void Probe::trace(std::span<const Ray> rays, std::span<Hit> hits) {
     impl_->trace_batch(rays.subspan(first, count), hits.subspan(first, count));
   }
 }
+
+void Probe::update(const GeometryImage& image, std::span<const TexelRange> changed) { impl_->update(image, changed); }
+std::uint64_t Probe::texels_uploaded() const { return impl_->uploaded; }
 
 double Probe::draw_seconds() const { return impl_->seconds; }
 int Probe::resumed_passes() const { return impl_->resumed; }

@@ -153,8 +153,14 @@ GLuint link_program(GlContext& context, const ShaderText& vertex, const ShaderTe
 
 ProgramVariant program_variant(const GeometryImage& image, bool brute_force, bool thorough) {
   // An image without primitives is walked by the code for triangles.
-  return {image.options.layout,   image.options.bounds, image.triangle_count > 0 || image.sphere_count == 0,
-          image.sphere_count > 0, brute_force,          thorough};
+  return {image.options.layout,
+          image.options.bounds,
+          image.triangle_count > 0 || image.sphere_count == 0,
+          image.sphere_count > 0,
+          brute_force,
+          thorough,
+          image.transform_count > 0,
+          image.transform_count > 0 && image.options.transform_out == TransformOut::inverse};
 }
 
 ShaderText probe_fragment_shader(const ProgramVariant& variant, std::span<const ShaderPatch> patches,
@@ -170,6 +176,8 @@ ShaderText probe_fragment_shader(const ProgramVariant& variant, std::span<const 
       {"KIND_SPHERE", glsl_float(kKindSphere)},
       {"END_WORD", glsl_int(kEndWord)},
       {"LINK_SPHERE", "(" + std::to_string(kLinkSphere) + ")"},
+      {"LINK_TRANSFORM", "(" + std::to_string(kLinkTransform) + ")"},
+      {"TRANSFORM_TEXELS", std::to_string(kTransformTexels)},
       {"PRIMITIVE_STRIDE", std::to_string(primitive_stride(variant.layout, variant.has_triangles))},
       {"KIND_MISS", std::to_string(kWordMiss) + "u"},
       {"KIND_HIT", std::to_string(kWordHit) + "u"},
@@ -180,20 +188,18 @@ ShaderText probe_fragment_shader(const ProgramVariant& variant, std::span<const 
   if (variant.has_triangles) defines.emplace_back("HAS_TRIANGLES", "");
   if (variant.has_spheres) defines.emplace_back("HAS_SPHERES", "");
   if (variant.thorough) defines.emplace_back("THOROUGH", "");
+  if (variant.has_transforms) defines.emplace_back("HAS_TRANSFORMS", "");
+  if (variant.out_inverse) defines.emplace_back("OUT_INVERSE", "");
   if (variant.bounds == Bounds::aabb) defines.emplace_back("BOUNDS_AABB", "");
   defines.emplace_back("PASS_CONSTANT", "flat in");
-  const std::array<std::string_view, 11> files{
-      "pass_constants.glsl",
-      "exact.glsl",
-      "ray_prepare.glsl",
-      "triangle.glsl",
-      "sphere.glsl",
-      compact ? "image_compact.glsl" : "image_paper.glsl",
-      "candidate.glsl",
-      "walk_state.glsl",
-      "bounds.glsl",
-      variant.brute_force ? "brute_force.glsl" : (compact ? "walk_compact.glsl" : "walk_paper.glsl"),
-      "probe.frag.glsl"};
+  std::vector<std::string_view> files{
+      "pass_constants.glsl", "exact.glsl",     "ray_prepare.glsl",
+      "triangle.glsl",       "sphere.glsl",    compact ? "image_compact.glsl" : "image_paper.glsl",
+      "walk_state.glsl",     "candidate.glsl", "bounds.glsl"};
+  if (variant.has_transforms) files.emplace_back("transform.glsl");
+  files.emplace_back(variant.brute_force ? "brute_force.glsl" : (compact ? "walk_compact.glsl" : "walk_paper.glsl"));
+  if (variant.has_transforms && !variant.brute_force) files.emplace_back("change_space.glsl");
+  files.emplace_back("probe.frag.glsl");
   return compose_shader(files, defines, patches, dialect);
 }
 

@@ -50,6 +50,8 @@ struct ProgramVariant {
   /// False: a ray that needs rare code (a triangle seen edge-on, an origin very far away) is left unfinished, to go on
   /// in the thorough program of the same image.
   bool thorough = false;
+  bool has_transforms = false;
+  bool out_inverse = false;  ///< of transforms
   bool operator==(const ProgramVariant&) const = default;
 };
 ProgramVariant program_variant(const GeometryImage& image, bool brute_force, bool thorough);

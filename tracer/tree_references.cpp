@@ -28,8 +28,8 @@ namespace {
 
 constexpr int kMaxCuts = 64;
 
-/// Part of a triangle, waiting to be cut.
-struct Part {
+/// Piece of a triangle, waiting to be cut.
+struct Piece {
   std::uint32_t primitive = 0;
   int cuts = 0;             ///< that led here
   std::uint64_t order = 0;  ///< of creation, so that equal lengths are cut in an order of our own
@@ -38,13 +38,13 @@ struct Part {
   std::vector<glm::dvec3> corners;
 };
 
-struct ShorterPart {
-  bool operator()(const Part& a, const Part& b) const {
+struct ShorterPiece {
+  bool operator()(const Piece& a, const Piece& b) const {
     return a.length != b.length ? a.length < b.length : a.order > b.order;
   }
 };
 
-void measure(Part& part) {
+void measure(Piece& part) {
   glm::dvec3 lower = part.corners[0], upper = part.corners[0];
   for (const glm::dvec3& corner : part.corners) lower = glm::min(lower, corner), upper = glm::max(upper, corner);
   const glm::dvec3 size = upper - lower;
@@ -54,7 +54,7 @@ void measure(Part& part) {
 
 /// Cuts `part` across the middle of its longest side. False, and nothing done, where the corners do not fall into one
 /// run on either side: slivers that rounding has bent are left whole.
-bool cut(const Part& part, Part& low, Part& high) {
+bool cut(const Piece& part, Piece& low, Piece& high) {
   const int axis = part.axis;
   const std::size_t n = part.corners.size();
   double lower = part.corners[0][axis], upper = lower;
@@ -63,7 +63,7 @@ bool cut(const Part& part, Part& low, Part& high) {
   const double plane = lower + 0.5 * (upper - lower);
   if (!(lower < plane && plane < upper) || part.cuts + 1 >= kMaxCuts) return false;
 
-  for (Part* side : {&low, &high}) *side = {part.primitive, part.cuts + 1, 0, 0.0, 0, {}};
+  for (Piece* side : {&low, &high}) *side = {part.primitive, part.cuts + 1, 0, 0.0, 0, {}};
   int low_runs = 0, high_runs = 0;
   for (std::size_t i = 0; i < n; ++i) {
     const glm::dvec3 &p = part.corners[i], &q = part.corners[(i + 1) % n];
@@ -104,7 +104,7 @@ void add_triangle(References& references, std::uint32_t primitive, const std::ar
   add_reference(references, primitive, balls);
 }
 
-void add_part(References& references, const Part& part) {
+void add_part(References& references, const Piece& part) {
   double largest = 0.0;
   for (const glm::dvec3& corner : part.corners)
     for (int axis = 0; axis < 3; ++axis) largest = std::max(largest, std::fabs(corner[axis]));
@@ -126,18 +126,18 @@ double longest_edge(const std::array<glm::vec3, 3>& corners) {
 
 /// Cuts the triangles `long_ones` into parts of at most `limit` and adds these.
 void add_split(References& references, const Scene& scene, const std::vector<std::uint32_t>& long_ones, double limit) {
-  std::priority_queue<Part, std::vector<Part>, ShorterPart> waiting;
+  std::priority_queue<Piece, std::vector<Piece>, ShorterPiece> waiting;
   std::uint64_t order = 0;
   for (const std::uint32_t primitive : long_ones) {
-    Part part{primitive, 0, order++, 0.0, 0, {}};
+    Piece part{primitive, 0, order++, 0.0, 0, {}};
     for (const glm::vec3& corner : scene.corners(primitive)) part.corners.emplace_back(corner);
     measure(part);
     waiting.push(std::move(part));
   }
-  std::vector<Part> done;
+  std::vector<Piece> done;
   std::size_t may_add = std::max<std::size_t>(kMinExtraParts, scene.primitive_count());
   while (!waiting.empty()) {
-    Part part = waiting.top(), low, high;
+    Piece part = waiting.top(), low, high;
     waiting.pop();
     if (may_add > 0 && part.length > limit && cut(part, low, high)) {
       --may_add;
@@ -149,7 +149,7 @@ void add_split(References& references, const Scene& scene, const std::vector<std
     }
   }
   // Those that were never cut are whole triangles with exact corners.
-  for (const Part& part : done) {
+  for (const Piece& part : done) {
     if (part.cuts > 0)
       add_part(references, part);
     else

@@ -9,10 +9,40 @@ struct Nearest {
   vec2 weights;  // barycentrics of the second and the third corner
   int tests;     // primitives tested
   int pending;   // address of a triangle that is seen edge-on and waits for resolve_pending; -1 where there is none
+#ifdef HAS_TRANSFORMS
+  // Here t only bounds the walk in the space at hand: no nearer hit of that space has a greater one.
+  float t_world;  // of the hit, by the world's walking ray
+  float t_space;  // of the hit, by the walking ray of the space it is in
+  int space;      // the node that shows it
+#endif
 };
 
 PRECISE Nearest nearest;
 
+#ifdef HAS_TRANSFORMS
+// The bound on t in the space of `ray` that keeps every hit that is as near as t_world: the margin is more than the
+// roundings of t * t_scale + t_shift, here and in `offer`.
+float bound_of(float t_world) {
+  float inverse = 1.0 / ray.t_scale;
+  return (t_world - ray.t_shift) * inverse + (abs(t_world) + abs(ray.t_shift)) * inverse * 4.76837158203125e-7;
+}
+
+// Hits of all spaces are compared by the world's t, then by node (the world first), then by number, so that the answer
+// does not depend on the order of the walk.
+void offer(bool hit, float t, float label, int address, vec2 weights) {
+  PRECISE float t_world = t * ray.t_scale + ray.t_shift;
+  bool first = walk.space < nearest.space || (walk.space == nearest.space && label < nearest.label);
+  if (hit && t > ray.t_low && (t_world < nearest.t_world || (t_world == nearest.t_world && first))) {
+    nearest.t_world = t_world;
+    nearest.t_space = t;
+    nearest.space = walk.space;
+    nearest.t = bound_of(t_world);
+    nearest.label = label;
+    nearest.address = address;
+    nearest.weights = weights;
+  }
+}
+#else
 void offer(bool hit, float t, float label, int address, vec2 weights) {
   if (hit && t > ray.t_low && (t < nearest.t || (t == nearest.t && label < nearest.label))) {
     nearest.t = t;
@@ -21,6 +51,7 @@ void offer(bool hit, float t, float label, int address, vec2 weights) {
     nearest.weights = weights;
   }
 }
+#endif
 
 // Tests the primitive at an address. Returns its label: negative on the last of a cluster.
 float test_primitive(int address) {

@@ -19,3 +19,6 @@ vec4 primitive_2(int address) { return texel(primitive_texel(address) + 2); }
 #endif
 int next_primitive(int address) { return address + 1; }
 bool is_primitive(int address) { return address < pass_image.w; }
+#ifdef HAS_TRANSFORMS
+vec4 record_texel(int node, int i) { return texel(pass_transforms.x + TRANSFORM_TEXELS * node + i); }
+#endif

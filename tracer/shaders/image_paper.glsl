@@ -16,3 +16,8 @@ vec4 primitive_1(int address) { return cell_texel(primitive_cell(address), 1); }
 #endif
 int next_primitive(int address) { return address + 1; }
 bool is_primitive(int address) { return address < pass_image.w; }
+#ifdef HAS_TRANSFORMS
+vec4 record_texel(int node, int i) {
+  return cell_texel(pass_transforms.x + TRANSFORM_TEXELS / 2 * node + (i >> 1), i & 1);
+}
+#endif

@@ -9,11 +9,17 @@ vec4 ray_texel(int i) { return texelFetch(u_rays, i); }
 uniform sampler2D u_rays;
 vec4 ray_texel(int i) { return texelFetch(u_rays, ivec2(i % (2 * BATCH_WIDTH), i / (2 * BATCH_WIDTH)), 0); }
 #endif
-uniform usampler2D u_state;      // read where walks are resumed: what an unfinished pixel wrote, three texels a pixel
+uniform usampler2D u_state;      // read where walks are resumed: what an unfinished pixel wrote, STATE_TEXELS texels a pixel
 
 layout(location = 0) out uvec4 out_0;  // kind + 8 * primitive, t, steps, primitives tested
 layout(location = 1) out uvec4 out_1;  // position, weight of the second corner
 layout(location = 2) out uvec4 out_2;  // normal, weight of the third corner
+#ifdef HAS_TRANSFORMS
+layout(location = 3) out uvec4 out_3;  // instance + 1, or 0 in the world; transforms entered; 0; 0
+#define STATE_TEXELS 4
+#else
+#define STATE_TEXELS 3
+#endif
 
 void start_or_resume(ivec2 pixel) {
   walk.cluster_at = -1;
@@ -26,9 +32,19 @@ void start_or_resume(ivec2 pixel) {
   nearest.weights = vec2(0.0);
   nearest.tests = 0;
   nearest.pending = -1;
+#ifdef HAS_TRANSFORMS
+  world_ray = ray;
+  walk.space = SPACE_WORLD;
+  walk.request = REQUEST_NONE;
+  walk.transforms = 0;
+  walk.stalled = false;
+  nearest.t_world = ray.t_best;
+  nearest.t_space = 0.0;
+  nearest.space = SPACE_NONE;
+#endif
   start_walk();
   if (pass_range.y != 0) {
-    ivec2 at = ivec2(pixel.x * 3, pixel.y);
+    ivec2 at = ivec2(pixel.x * STATE_TEXELS, pixel.y);
     uvec4 s0 = texelFetch(u_state, at, 0);
     uvec4 s1 = texelFetch(u_state, at + ivec2(1, 0), 0);
     uvec4 s2 = texelFetch(u_state, at + ivec2(2, 0), 0);
@@ -42,23 +58,51 @@ void start_or_resume(ivec2 pixel) {
     nearest.label = uintBitsToFloat(s2.x);
     nearest.weights = uintBitsToFloat(s2.yz);
     nearest.address = int(s2.w);
+#ifdef HAS_TRANSFORMS
+    uvec4 s3 = texelFetch(u_state, at + ivec2(3, 0), 0);
+    nearest.t_world = nearest.t;
+    nearest.t_space = uintBitsToFloat(s3.x);
+    nearest.space = int(s3.y);
+    walk.space = int(s3.z);
+    walk.transforms = int(s3.w);
+    derive_ray(walk.space);
+    nearest.t = bound_of(nearest.t_world);
+#endif
   }
+#ifdef HAS_TRANSFORMS
+  if ((world_ray.misses && !world_ray.too_far) || !world_ray.defined) walk.ended = true;
+#else
   if ((ray.misses && !ray.too_far) || !ray.defined) walk.ended = true;
+#endif
 }
 
 void write_unfinished() {
   out_0 = uvec4(KIND_UNFINISHED + 8u * uint(nearest.pending + 1), floatBitsToUint(nearest.t), walk.steps, nearest.tests);
   out_1 = uvec4(walk.at, walk.cluster_at, walk.cluster_next);
   out_2 = uvec4(floatBitsToUint(nearest.label), floatBitsToUint(nearest.weights), nearest.address);
+#ifdef HAS_TRANSFORMS
+  out_0.y = floatBitsToUint(nearest.t_world);
+  out_3 = uvec4(floatBitsToUint(nearest.t_space), nearest.space, walk.space, walk.transforms);
+#endif
 }
 
-void write_result(float t_max) {
+// True where the result is complete: a driver may have ended the loops that bring it out of nested transforms.
+bool write_result(float t_max) {
   bool hit = walk.ended && nearest.label < NO_LABEL;
+  bool complete = true;
+#ifdef HAS_TRANSFORMS
+  int node = hit ? nearest.space : SPACE_WORLD;
+  derive_ray(node);
+  complete = !ray.cut;
+  float t = nearest.t_space;
+#else
+  float t = nearest.t;
+#endif
   vec4 p0 = primitive_0(nearest.address), p1 = primitive_1(nearest.address);
   PRECISE vec3 position = vec3(0.0);
   PRECISE vec3 normal = vec3(0.0);
 #ifdef HAS_SPHERES
-  normal = sphere_normal(p0.xyz, nearest.t);
+  normal = sphere_normal(p0.xyz, t);
   position = p0.xyz + p1.x * normal;
 #endif
 #ifdef HAS_TRIANGLES
@@ -69,6 +113,23 @@ void write_result(float t_max) {
     position = ((1.0 - w.x) - w.y) * p0.xyz + w.x * p1.xyz + w.y * p2.xyz;
   }
 #endif
+#ifdef HAS_TRANSFORMS
+  // Out of the instance, level by level.
+  for (; node >= 0;) {
+    if (node >= 0) {
+      vec4 back_0 = record_texel(node, 0), back_1 = record_texel(node, 1), back_2 = record_texel(node, 2);
+      vec4 row_0 = record_texel(node, 3), row_1 = record_texel(node, 4), row_2 = record_texel(node, 5);
+      position = times(row_0, row_1, row_2, position) + vec3(back_0.w, back_1.w, back_2.w);
+      normal = times_transposed(back_0, back_1, back_2, normal);
+      normal *= power_of_two(clamp(-largest_exponent(normal), -126, 127));
+      node = int(row_0.w) - 1;
+    }
+  }
+  complete = complete && node < 0;
+  normal *= hit && nearest.space >= 0 ? 1.0 / sqrt(dot(normal, normal)) : 1.0;
+  ray = world_ray;
+  t = nearest.t_world;
+#endif
   uvec3 position_bits = floatBitsToUint(position);
   if (pass_range.x != 0) {
     uvec3 sign_bits = position_bits & uvec3(0x80000000u);
@@ -78,9 +139,13 @@ void write_result(float t_max) {
   }
   uint kind = !ray.defined ? KIND_UNDEFINED : !walk.ended ? KIND_CAPPED : hit ? KIND_HIT : KIND_MISS;
   uint primitive = hit ? uint(nearest.label) - 1u : 0u;
-  out_0 = uvec4(kind + 8u * primitive, given_t(nearest.t, t_max), walk.steps, nearest.tests);
+  out_0 = uvec4(kind + 8u * primitive, given_t(t, t_max), walk.steps, nearest.tests);
   out_1 = uvec4(position_bits, floatBitsToUint(nearest.weights.x));
   out_2 = uvec4(floatBitsToUint(normal), floatBitsToUint(nearest.weights.y));
+#ifdef HAS_TRANSFORMS
+  out_3 = uvec4(hit ? uint(nearest.space + 1) : 0u, walk.transforms, 0u, 0u);
+#endif
+  return complete;
 }
 
 void main() {
@@ -91,6 +156,25 @@ void main() {
   prepare_ray(origin_and_end.xyz, direction.xyz, origin_and_end.w);
   start_or_resume(pixel);
 
+#ifdef HAS_TRANSFORMS
+  bool is_walking = !walk.ended && !ray.cut;
+#ifndef THOROUGH
+  is_walking = is_walking && !ray.too_far;
+#endif
+  while (is_walking) {
+    if (is_walking) {
+#ifdef THOROUGH
+      resolve_pending();
+#endif
+      walk_tree();
+      change_space();
+      is_walking = !walk.ended && !walk.stalled && walk.steps < pass_walk.w;
+#ifndef THOROUGH
+      is_walking = is_walking && nearest.pending < 0;
+#endif
+    }
+  }
+#else
 #ifdef THOROUGH
   bool is_walking = !walk.ended;
   while (is_walking) {
@@ -101,9 +185,10 @@ void main() {
 #else
   if (!walk.ended && !ray.too_far) walk_tree();
 #endif
+#endif
   // A ray that waits for a triangle seen edge-on, comes from very far, or whose loops the driver has ended, goes on in another pass with
   // the thorough program: what is rare costs the others nothing there, since this driver runs both sides of every `if`.
   bool unfinished = nearest.pending >= 0 || (!walk.ended && walk.steps < pass_walk.w);
-  write_result(origin_and_end.w);
-  if (unfinished) write_unfinished();
+  bool complete = write_result(origin_and_end.w);
+  if (unfinished || !complete) write_unfinished();
 }

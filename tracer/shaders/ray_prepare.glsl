@@ -17,6 +17,12 @@ struct WalkRay {
   bool defined;  // false: the ray has no answer (SEMANTICS 1.3)
   bool misses;   // true: the ray misses the scene's ball, or ends before it
   bool too_far;  // true: the origin is so far away that only the thorough program moves it near enough
+#ifdef HAS_TRANSFORMS
+  // t of the world's walking ray = t * t_scale + t_shift: the t by which hits in different spaces are compared. t_scale
+  // is a power of two.
+  float t_scale, t_shift;
+  bool cut;  // true: the driver ended a loop before its time, so that this ray is not to be used
+#endif
 };
 
 // All arithmetic that leads to a walking ray or a hit is done as written: programs of other variants, compiled with other code around it, must come
@@ -28,15 +34,15 @@ vec3 permute(vec3 v) { return ray.axis == 0 ? v.yzx : ray.axis == 1 ? v.zxy : v.
 
 bool is_finite(ivec3 magnitude) { return max(max(magnitude.x, magnitude.y), magnitude.z) < 0x7f800000; }
 
-// Moves the origin of a far ray along it to two scene radii before the point next to the scene's centre. In floats
+// Moves the origin of a far ray along it to two radii before the point next to the ball's centre. In floats
 // alone o + t d would be off by |o| 2^-24, so products and sums are taken with their rounding errors. Where the step
 // ends matters little, but it misses its aim by up to 2^-21 of its length; from beyond 10^4 radii another step or more
 // follow, with origin and shift carried as unevaluated sums (high + low) of some 48 bits. Everything is scaled by 2^-8
 // that nothing overflows.
-void approach_scene(bool is_far) {
-  vec3 center = pass_ball.xyz * SHIFT_UNIT;
+void approach(vec4 ball, bool is_far) {
+  vec3 center = ball.xyz * SHIFT_UNIT;
   vec3 start = ray.o * SHIFT_UNIT;
-  float back = 2.0 * pass_ball.w * SHIFT_UNIT * sqrt(ray.inverse_d2);
+  float back = 2.0 * ball.w * SHIFT_UNIT * sqrt(ray.inverse_d2);
   float advance = dot(center - start, ray.dn) - back;
   vec3 product = advance * ray.d;
   vec3 sum = opaque(start + product);
@@ -47,7 +53,8 @@ void approach_scene(bool is_far) {
 #ifdef THOROUGH
   vec3 low = sum_error(sum, rest, high);
   bool is_moving = ray.too_far;
-  for (int i = 0; i < 8 && is_moving; ++i) {
+  int rounds = 0;
+  for (; rounds < 8 && is_moving; ++rounds) {
     advance = dot((center - high) - low, ray.dn) - back;
     product = advance * ray.d;
     sum = opaque(high + product);
@@ -62,6 +69,9 @@ void approach_scene(bool is_far) {
   }
   high = high + low;
   ray.too_far = false;
+#ifdef HAS_TRANSFORMS
+  ray.cut = is_moving && rounds < 8;
+#endif
 #endif
   if (is_far) {
     ray.o = high * (1.0 / SHIFT_UNIT);
@@ -78,6 +88,48 @@ void approach_scene(bool is_far) {
 const float NEGLIGIBLE = 8.673617379884035e-19;
 vec3 drop_below(vec3 v, float least) { return mix(v, vec3(0.0), lessThan(abs(v), vec3(least))); }
 
+// What follows from the direction alone.
+void set_direction(vec3 direction) {
+  ray.d = direction;
+  ray.inverse_d2 = 1.0 / dot(ray.d, ray.d);
+  ray.dn = ray.d * ray.inverse_d2;
+  vec3 size = abs(ray.d);
+  ray.axis = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
+  vec3 p = permute(ray.d);
+  float inverse = 1.0 / p.z;
+  ray.shear = vec3(p.x * inverse, p.y * inverse, inverse);
+}
+
+int largest_bits(vec3 v) {
+  ivec3 magnitude = floatBitsToInt(v) & ivec3(0x7fffffff);
+  return max(max(magnitude.x, magnitude.y), magnitude.z);
+}
+
+// Makes the walking ray of the line from `origin` along `direction` in a space whose contents lie in `ball`. All is
+// finite, the direction is not zero.
+void aim_ray(vec3 origin, vec3 direction, vec4 ball) {
+  int exponent;
+  float mantissa = split_exponent(largest_bits(direction), exponent);
+  exponent += ((floatBitsToInt(mantissa) >> 23) & 255) - 127;
+  set_direction(drop_below(scale_exactly(direction, -exponent), NEGLIGIBLE));
+  ray.o = drop_below(origin, NEGLIGIBLE * ball.w);
+  ray.exponent = -exponent;
+  ray.shift_high = 0.0;
+  ray.shift_low = 0.0;
+  ray.shift_unit = 1.0;
+  vec3 m = ball.xyz - ray.o;
+  bool is_far = !(dot(m, m) <= 4.0 * ball.w * ball.w);  // an overflow is far
+  bool leaves = is_far && dot(m * SHIFT_UNIT, ray.dn) <= 0.0;
+  approach(ball, is_far && !leaves);
+
+  // A far ray whose point next to the centre lies outside the ball misses; 1.25 covers the error of the walking origin.
+  m = ball.xyz - ray.o;
+  vec3 f = m - dot(m, ray.dn) * ray.d;
+  bool passes = is_far && !(dot(f, f) <= 1.5625 * ball.w * ball.w);
+  ray.t_low = is_far ? -3.0e38 : 0.0;  // the contents lie before a far ray's walking origin
+  ray.misses = leaves || passes;
+}
+
 void prepare_ray(vec3 origin, vec3 direction, float t_max) {
   ivec3 o_magnitude = floatBitsToInt(origin) & ivec3(0x7fffffff);
   ivec3 d_magnitude = floatBitsToInt(direction) & ivec3(0x7fffffff);
@@ -87,41 +139,21 @@ void prepare_ray(vec3 origin, vec3 direction, float t_max) {
   // What has no answer is replaced by something harmless, so that no NaN walks.
   origin = ray.defined ? origin : pass_ball.xyz;
   direction = ray.defined ? direction : vec3(0.0, 0.0, 1.0);
-  largest = ray.defined ? largest : 0x3f800000;
   t_max = ray.defined ? t_max : 0.0;
-
-  int exponent;
-  float mantissa = split_exponent(largest, exponent);
-  exponent += ((floatBitsToInt(mantissa) >> 23) & 255) - 127;
-  ray.d = drop_below(scale_exactly(direction, -exponent), NEGLIGIBLE);
-  ray.o = drop_below(pass_range.x == 0 ? origin : scale_exactly(origin, pass_range.x), NEGLIGIBLE * pass_ball.w);
-  ray.exponent = -exponent - pass_range.x;
-  ray.inverse_d2 = 1.0 / dot(ray.d, ray.d);
-  ray.dn = ray.d * ray.inverse_d2;
-
-  vec3 size = abs(ray.d);
-  ray.axis = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
-  vec3 p = permute(ray.d);
-  float inverse = 1.0 / p.z;
-  ray.shear = vec3(p.x * inverse, p.y * inverse, inverse);
-
-  ray.shift_high = 0.0;
-  ray.shift_low = 0.0;
-  ray.shift_unit = 1.0;
-  vec3 m = pass_ball.xyz - ray.o;
-  bool is_far = !(dot(m, m) <= 4.0 * pass_ball.w * pass_ball.w);  // an overflow is far
-  bool leaves = is_far && dot(m * SHIFT_UNIT, ray.dn) <= 0.0;
-  approach_scene(is_far && !leaves);
-
-  // A far ray whose point next to the centre lies outside the ball misses; 1.25 covers the error of the walking origin.
-  m = pass_ball.xyz - ray.o;
-  vec3 f = m - dot(m, ray.dn) * ray.d;
-  bool passes = is_far && !(dot(f, f) <= 1.5625 * pass_ball.w * pass_ball.w);
+  aim_ray(pass_range.x == 0 ? origin : scale_exactly(origin, pass_range.x), direction, pass_ball);
+  ray.exponent -= pass_range.x;
   float t_end = scale_exactly(t_max, -ray.exponent);
   ray.t_best = ((t_end - ray.shift_high) - ray.shift_low) * (1.0 / ray.shift_unit);
-  ray.t_low = is_far ? -3.0e38 : 0.0;  // the scene lies before a far ray's walking origin
-  ray.misses = leaves || passes || !(ray.t_best > 0.0);
+  ray.misses = ray.misses || !(ray.t_best > 0.0);
+#ifdef HAS_TRANSFORMS
+  ray.t_scale = 1.0;
+  ray.t_shift = 0.0;
+  ray.cut = false;
+#endif
 }
+
+// The octant of a direction: bit a is set where component a is negative.
+int octant_of(vec3 d) { return (d.x < 0.0 ? 1 : 0) + (d.y < 0.0 ? 2 : 0) + (d.z < 0.0 ? 4 : 0); }
 
 // t as the ray's own, never above its t_max: the bits of a float.
 uint given_t(float t, float t_max) {

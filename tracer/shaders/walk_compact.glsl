@@ -6,15 +6,20 @@
 // again while its neighbours go on, so that values read after a loop are right even where the driver overwrites them
 // (Mesa 22.3).
 
-void start_walk() {
-  int octant = (ray.d.x < 0.0 ? 1 : 0) + (ray.d.y < 0.0 ? 2 : 0) + (ray.d.z < 0.0 ? 4 : 0);
-  walk.at = ivec2((octant & pass_walk.y) * pass_walk.x, 0);
+void start_region(int start, int copy_size) {
+  walk.at = ivec2(start + (octant_of(ray.d) & pass_walk.y) * copy_size, 0);
 }
+void start_walk() { start_region(0, pass_walk.x); }
 
 #ifdef BOUNDS_AABB
 #define NODE_TEXELS 2
 #else
 #define NODE_TEXELS 1
+#endif
+
+#ifdef HAS_TRANSFORMS
+// Goes on behind the leaf of a transform.
+void go_behind(int leaf) { walk.at.x = leaf + NODE_TEXELS; }
 #endif
 
 void walk_tree() {
@@ -44,6 +49,11 @@ void walk_tree() {
     }
     bool is_end = word == END_WORD;
     bool in_cluster = leaf_is_hit && !is_end;
+#ifdef HAS_TRANSFORMS
+    int transform = (word & pass_walk.z) - pass_image.w;
+    if (in_cluster && transform >= 0) walk.request = transform;
+    in_cluster = in_cluster && transform < 0;
+#endif
     int address = walk.cluster_at == at ? walk.cluster_next : word & pass_walk.z;
     bool is_last = !in_cluster;
     while (!is_last && nearest.pending < 0 && is_primitive(address)) {
@@ -51,7 +61,12 @@ void walk_tree() {
       address = next_primitive(address);
     }
     if (!is_primitive(address)) is_last = true;
+#ifdef HAS_TRANSFORMS
+    if (leaf_is_hit && is_end && walk.space != SPACE_WORLD) walk.request = REQUEST_LEAVE;
+    if (leaf_is_hit && is_end && walk.space == SPACE_WORLD) walk.ended = true;
+#else
     if (leaf_is_hit && is_end) walk.ended = true;
+#endif
     if (in_cluster && !is_last) {
       walk.cluster_at = at;
       walk.cluster_next = address;
@@ -59,6 +74,9 @@ void walk_tree() {
     }
     if (in_cluster && is_last) at += NODE_TEXELS;
     if (walk.ended || nearest.pending >= 0 || walk.steps >= pass_walk.w) break;
+#ifdef HAS_TRANSFORMS
+    if (walk.request != REQUEST_NONE) break;
+#endif
   }
   walk.at.x = at;
 }

@@ -15,19 +15,37 @@ vec2 cell_link(int cell) {
   return (vec2(ivec2(cell & pass_image.x, (cell >> pass_image.y) * 2)) + 0.5) * pass_factor.yz;
 }
 
-void start_walk() {
-  int octant = (ray.d.x < 0.0 ? 1 : 0) + (ray.d.y < 0.0 ? 2 : 0) + (ray.d.z < 0.0 ? 4 : 0);
-  walk.at = floatBitsToInt(cell_link((octant & pass_walk.y) * pass_walk.x));
+void start_region(int start, int copy_size) {
+  walk.at = floatBitsToInt(cell_link(start + (octant_of(ray.d) & pass_walk.y) * copy_size));
+}
+void start_walk() { start_region(0, pass_walk.x); }
+
+#ifdef HAS_TRANSFORMS
+// Goes on behind the leaf of a transform.
+void go_behind(int leaf) { walk.at = floatBitsToInt(cell_texel(leaf, 1).zw); }
+#endif
+
+// A chain has led to the end of the space at hand.
+void end_region() {
+#ifdef HAS_TRANSFORMS
+  if (walk.space != SPACE_WORLD) walk.request = REQUEST_LEAVE;
+  if (walk.space == SPACE_WORLD) walk.ended = true;
+#else
+  walk.ended = true;
+#endif
 }
 
 void walk_tree() {
   vec2 at = intBitsToFloat(walk.at);
-  if (at.x < 0.0) walk.ended = true;  // the last primitive of all was seen edge-on: nothing is left behind it
+  if (at.x < 0.0) end_region();  // nothing is left behind the last primitive, which was seen edge-on, or transform
 #ifdef BOUNDS_AABB
   vec3 inverse = slab_inverse(ray.d);
 #endif
   for (;;) {
     if (walk.ended) break;
+#ifdef HAS_TRANSFORMS
+    if (walk.request != REQUEST_NONE) break;
+#endif
     vec4 links = vec4(0.0);
     vec2 geometry = vec2(0.0);
     for (;;) {
@@ -53,7 +71,11 @@ void walk_tree() {
       address = next_primitive(address);
     }
     if (!is_primitive(address)) is_last = true;
-    if (geometry.x < float(LINK_SPHERE)) walk.ended = true;
+#ifdef HAS_TRANSFORMS
+    bool at_transform = geometry.x < float(LINK_SPHERE) && geometry.x >= float(LINK_TRANSFORM);
+    if (at_transform) walk.request = (link_cell(geometry) - pass_transforms.x) / (TRANSFORM_TEXELS / 2);
+#endif
+    if (geometry.x < float(LINK_TRANSFORM)) end_region();
     if (in_cluster && !is_last) {
       walk.cluster_at = cell;
       walk.cluster_next = address;
@@ -61,7 +83,7 @@ void walk_tree() {
     }
     if (in_cluster && is_last) {
       at = links.zw;
-      if (at.x < 0.0) walk.ended = true;
+      if (at.x < 0.0) end_region();
     }
     if (nearest.pending >= 0 || walk.steps >= pass_walk.w) break;
   }

@@ -9,6 +9,19 @@ struct Walk {
   int cluster_next;  // ... and the address of its next primitive
   int steps;       // nodes visited
   bool ended;      // the end was reached
+#ifdef HAS_TRANSFORMS
+  int space;       // the node whose space is walked; SPACE_WORLD
+  int request;     // the node to be entered, REQUEST_LEAVE, or REQUEST_NONE
+  int transforms;  // entered so far
+  bool stalled;    // the walk must go on in another pass
+#endif
 };
+
+#ifdef HAS_TRANSFORMS
+const int SPACE_WORLD = -1;
+const int SPACE_NONE = 0x7fffffff;  // of what is not hit yet: greater than every node
+const int REQUEST_NONE = -1;
+const int REQUEST_LEAVE = -2;
+#endif
 
 Walk walk;

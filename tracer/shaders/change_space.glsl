@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+// The walk's way in and out of transforms.
+
+// Carries out what the walk asks for at a transform, and at the end of a space.
+void change_space() {
+  int node = walk.request;
+  bool enters = node >= 0;
+  bool leaves = node == REQUEST_LEAVE;
+  walk.request = REQUEST_NONE;
+  if (enters) {
+    enter_space(node);
+    bool is_late = ray.cut;
+#ifndef THOROUGH
+    is_late = is_late || (ray.too_far && !ray.misses);
+#endif
+    walk.stalled = is_late;
+    if (is_late) --walk.steps;  // the leaf will be visited again
+    if (!is_late) {
+      ++walk.transforms;
+      walk.space = node;
+      start_region(int(record_texel(node, 4).w), int(record_texel(node, 5).w));
+      leaves = ray.misses;  // of what stands there: out again
+    }
+  }
+  if (leaves) {
+    node = walk.space;
+    int outer = int(record_texel(node, 3).w) - 1;
+#ifdef OUT_INVERSE
+    vec4 row_0 = record_texel(node, 3), row_1 = record_texel(node, 4), row_2 = record_texel(node, 5);
+    vec3 translation = vec3(record_texel(node, 0).w, record_texel(node, 1).w, record_texel(node, 2).w);
+    PRECISE vec3 o = times(row_0, row_1, row_2, entered_o) + translation;
+    PRECISE vec3 d = times(row_0, row_1, row_2, entered_d);
+#endif
+    derive_ray(outer);
+    int copy = octant_of(ray.d) & pass_walk.y;
+    vec4 places = record_texel(node, 8 + (copy >> 2));
+    go_behind(int(places[copy & 3]));
+    walk.space = outer;
+    walk.stalled = ray.cut;
+#ifdef OUT_INVERSE
+    // Only the ray comes from the matrices. Where it was moved near the space's contents it was re-aimed all the same,
+    // and goes out from where it came in.
+    ray.o = o;
+    set_direction(d);
+    bool is_near = ray.shift_unit == 1.0;
+    entered_o = is_near ? o : entered_o;
+    entered_d = is_near ? scale_exactly(d, -ray.exponent) : entered_d;
+#endif
+  }
+  if (enters || leaves) nearest.t = bound_of(nearest.t_world);
+}
