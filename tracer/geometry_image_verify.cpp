@@ -151,6 +151,13 @@ std::vector<std::string> verify(const GeometryImage& image) {
         findings.push_back(in.error);
         continue;
       }
+      const std::uint64_t size = image.options.bounds == Bounds::aabb ? 2 : 1;
+      const bool compact = image.options.layout == Layout::compact;
+      const std::uint64_t nodes = compact ? (regions[r].copy_size - 1) / size + 1 : regions[r].copy_size / size;
+      if (in.nodes != nodes)
+        findings.push_back("region at " + std::to_string(regions[r].start) + ", copy " + std::to_string(copy) +
+                           ": entering every node, the walk visits " + std::to_string(in.nodes) + " of " +
+                           std::to_string(nodes));
       const Tour out = Tourist(image, regions[r], copy, false).walk();
       if (!out.error.empty()) findings.push_back(out.error + " (entering no node)");
       if (copy == 0) {
