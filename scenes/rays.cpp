@@ -16,7 +16,7 @@ struct Entry {
 };
 
 // In the order of the enumeration: ray_family_info and generate_rays index by it.
-constexpr std::array<Entry, 16> kEntries = {{
+constexpr std::array<Entry, 18> kEntries = {{
     {{RayFamily::camera, "camera", "through random points of all pixels of the scene's camera"}, make_camera},
     {{RayFamily::secondary, "secondary", "reflections and shadow rays that the renderer itself shot"}, make_secondary},
     {{RayFamily::chords, "chords", "between two random points of the bounding sphere"}, make_chord},
@@ -48,6 +48,9 @@ constexpr std::array<Entry, 16> kEntries = {{
      make_segment},
     {{RayFamily::undefined, "undefined", "with NaN or infinity in each place in turn, or a zero direction"},
      make_undefined},
+    {{RayFamily::into_instances, "into_instances", "from within one instance into another", true}, make_into_instances},
+    {{RayFamily::between_instances, "between_instances", "from one instance, or before it, to another", true},
+     make_between_instances},
 }};
 
 constexpr std::array<RayFamilyInfo, kEntries.size()> kInfos = [] {
@@ -63,6 +66,50 @@ constexpr bool in_enumeration_order() {
   return true;
 }
 static_assert(in_enumeration_order());
+
+/// The sum of areas of primitives first, ..., first + count - 1.
+double area_of(const RaySource& source, std::uint32_t first, std::uint32_t count) {
+  if (count == 0) return 0.0;
+  return source.area_sum[first + count - 1] - (first > 0 ? source.area_sum[first - 1] : 0.0);
+}
+
+void find_places(RaySource& source) {
+  const Scene& scene = *source.scene;
+  const auto triangle_count = static_cast<std::uint32_t>(scene.triangles.size());
+  double sum = 0.0;
+  const auto add = [&](PlacedGeometry&& place) {
+    // Areas grow by the square of a length; under a scale that is not uniform, of a mean one.
+    double squares = 0.0;
+    for (int i = 0; i < 3; ++i) squares += glm::dot(place.to_world.linear[i], place.to_world.linear[i]);
+    const double area = area_of(source, place.first_triangle, place.triangle_count) +
+                        area_of(source, triangle_count + place.first_sphere, place.sphere_count);
+    source.placed_area_sum.push_back(sum += area * squares / 3.0);
+    source.placed.push_back(std::move(place));
+  };
+  PlacedGeometry world;
+  world.triangle_count = scene.world_triangle_count();
+  world.sphere_count = scene.world_sphere_count();
+  world.ball = source.ball;
+  if (scene.nodes.empty() || world.triangle_count + world.sphere_count > 0) add(std::move(world));
+  std::vector<Ball> of_parts;
+  for (const Part& part : scene.parts) of_parts.push_back(bounding_ball(scene, part));
+  for (const std::uint32_t instance : instances_of(scene)) {
+    const std::uint32_t number = scene.nodes[instance].part;
+    const Part& part = scene.parts[number];
+    PlacedGeometry place;
+    place.instance = instance;
+    place.to_world = to_world(scene, instance);
+    place.to_local = inverse(place.to_world);
+    place.first_triangle = part.first_triangle;
+    place.triangle_count = part.triangle_count;
+    place.first_sphere = part.first_sphere;
+    place.sphere_count = part.sphere_count;
+    place.ball.center = transform_point(place.to_world, of_parts[number].center);
+    place.ball.radius = largest_stretch(place.to_world.linear) * of_parts[number].radius;
+    add(std::move(place));
+  }
+  if (source.placed.empty()) add(PlacedGeometry{});
+}
 
 }  // namespace
 
@@ -92,6 +139,7 @@ RaySource::RaySource(const Scene& scene_, std::vector<glm::vec4> node_spheres_)
   area_sum.reserve(scene_.primitive_count());
   double sum = 0.0;
   for (std::uint32_t p = 0; p < scene_.primitive_count(); ++p) area_sum.push_back(sum += primitive_area(scene_, p));
+  find_places(*this);
 }
 
 void RaySource::set_captured(std::vector<Ray> rays) {
@@ -103,7 +151,7 @@ void generate_rays(const RaySource& source, RayFamily family, std::uint64_t seed
                    std::span<Ray> out) {
   const Entry& entry = kEntries[static_cast<std::size_t>(family)];
   const bool is_undefined = family == RayFamily::undefined;
-  const RayMaker make = source.scene->primitive_count() > 0 || is_undefined ? entry.make : make_chord;
+  const RayMaker make = placed_count(*source.scene) > 0 || is_undefined ? entry.make : make_chord;
   const std::uint64_t stream = name_hash(entry.info.name);
   for (std::size_t i = 0; i < out.size(); ++i) {
     RaySampler sampler(source, seed, stream, first_index + i);

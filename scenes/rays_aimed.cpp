@@ -12,9 +12,10 @@ namespace {
 constexpr int kMostUlps = 64;
 
 /// Where a sphere's outline lies as seen from an eye outside it: a random point where lines from the eye touch it, and
-/// the unit vector from the centre to it. An eye inside sees no outline: any point of the surface.
+/// the surface's unit normal there. An eye inside sees no outline: any point of the surface. In an instance, lines that
+/// touch the part's sphere are those that touch its image.
 SurfacePoint outline_point(RaySampler& s, const Sphere& sphere, const glm::vec3& eye) {
-  const glm::dvec3 center(sphere.center), away = center - glm::dvec3(eye);
+  const glm::dvec3 center(sphere.center), away = center - s.in(glm::dvec3(eye));
   const double distance = glm::length(away), radius = sphere.radius;
   SurfacePoint point;
   point.normal = s.random().direction();
@@ -24,7 +25,8 @@ SurfacePoint outline_point(RaySampler& s, const Sphere& sphere, const glm::vec3&
     const double cosine = radius / distance;
     point.normal = -cosine * axis + std::sqrt(1.0 - cosine * cosine) * s.across(axis);
   }
-  point.position = center + radius * point.normal;
+  point.position = s.out(center + radius * point.normal);
+  point.normal = s.normal_out(point.normal);
   return point;
 }
 
@@ -34,19 +36,19 @@ struct Feature {
 };
 
 Feature corner_feature(RaySampler& s, std::uint32_t triangle) {
-  const auto c = s.scene().corners(triangle);
+  const auto c = s.corners(triangle);
   const std::uint32_t i = s.random().below(3);
-  const glm::dvec3 at(c[i]);
+  const glm::dvec3& at = c[i];
   // Between the two edges that leave the corner.
-  const glm::dvec3 inwards = unit_or(glm::dvec3(c[(i + 1) % 3]) - at, glm::dvec3(0.0)) +
-                             unit_or(glm::dvec3(c[(i + 2) % 3]) - at, glm::dvec3(0.0));
+  const glm::dvec3 inwards =
+      unit_or(c[(i + 1) % 3] - at, glm::dvec3(0.0)) + unit_or(c[(i + 2) % 3] - at, glm::dvec3(0.0));
   return {at, unit_or(inwards, s.random().direction())};
 }
 
 Feature edge_feature(RaySampler& s, std::uint32_t triangle) {
-  const auto c = s.scene().corners(triangle);
+  const auto c = s.corners(triangle);
   const std::uint32_t i = s.random().below(3);
-  const glm::dvec3 a(c[i]), b(c[(i + 1) % 3]), opposite(c[(i + 2) % 3]);
+  const glm::dvec3 &a = c[i], &b = c[(i + 1) % 3], &opposite = c[(i + 2) % 3];
   // Midpoints are often exact; elsewhere any point does.
   const double along = s.random().below(4) == 0 ? 0.5 : s.random().uniform();
   const glm::dvec3 edge = unit_or(b - a, glm::dvec3(1, 0, 0)), side = opposite - a;
@@ -66,7 +68,7 @@ Ray aim_beside(RaySampler& s, int ulps) {
   return s.ray_to(eye, point.position - ulps * ulp(glm::vec3(point.position)) * point.normal);
 }
 
-/// A line that touches a ball `ulps` places outside its surface.
+/// A line that touches a ball of the world `ulps` places outside its surface.
 Ray touch(RaySampler& s, const glm::dvec3& center, double radius, int ulps) {
   const glm::dvec3 direction = s.random().direction(), normal = s.across(direction);
   const glm::dvec3 surface = center + radius * normal;
@@ -75,30 +77,46 @@ Ray touch(RaySampler& s, const glm::dvec3& center, double radius, int ulps) {
   return s.ray_to(origin, point);
 }
 
-/// t of the plane or the sphere surface that a point aimed at lies on, in double; of a sphere's two the nearer to t =
-/// guess.
-double hit_parameter(const Scene& scene, std::uint32_t primitive, const Ray& ray, const glm::dvec3& target) {
-  const glm::dvec3 o(ray.origin), d(ray.direction);
-  if (scene.is_triangle(primitive)) {
-    const glm::dvec3 normal = triangle_normal(scene, primitive);
-    return glm::dot(glm::dvec3(scene.corners(primitive)[0]) - o, normal) / glm::dot(d, normal);
+/// The same of a sphere of the place: its tangents become those of its image.
+Ray touch(RaySampler& s, const Sphere& sphere, int ulps) {
+  if (s.place().instance == kNone) return touch(s, glm::dvec3(sphere.center), sphere.radius, ulps);
+  const glm::dvec3 direction = s.random().direction(), normal = s.across(direction);
+  const glm::dvec3 surface = s.out(glm::dvec3(sphere.center) + static_cast<double>(sphere.radius) * normal);
+  const glm::dvec3 point = surface + ulps * ulp(glm::vec3(surface)) * s.normal_out(normal);
+  const glm::dvec3 along = unit_or(s.vector_out(direction), direction);
+  return s.ray_to(glm::vec3(point - 2.0 * s.radius() * s.random().uniform(0.1, 2.0) * along), point);
+}
+
+/// t of the plane or the sphere surface that a point aimed at lies on, in double; of a sphere's two the nearer to that
+/// of the point. t is the same in every space.
+double hit_parameter(const RaySampler& s, std::uint32_t primitive, const Ray& ray, const glm::dvec3& target) {
+  const glm::dvec3 o = s.in(glm::dvec3(ray.origin)), d = s.vector_in(glm::dvec3(ray.direction));
+  if (s.scene().is_triangle(primitive)) {
+    const auto corner = s.scene().corners(primitive);
+    const glm::dvec3 a(corner[0]);
+    const glm::dvec3 normal =
+        unit_or(glm::cross(glm::dvec3(corner[1]) - a, glm::dvec3(corner[2]) - a), glm::dvec3(0.0));
+    return glm::dot(a - o, normal) / glm::dot(d, normal);
   }
-  const Sphere& sphere = scene.sphere(primitive);
+  const Sphere& sphere = s.scene().sphere(primitive);
   const glm::dvec3 m = o - glm::dvec3(sphere.center);
   const double a = glm::dot(d, d), half_b = glm::dot(m, d), radius = sphere.radius;
   const double root = std::sqrt(half_b * half_b - a * (glm::dot(m, m) - radius * radius));
-  const double near = (-half_b - root) / a, far = (-half_b + root) / a, guess = glm::dot(target - o, d) / a;
+  const double near = (-half_b - root) / a, far = (-half_b + root) / a, guess = glm::dot(s.in(target)-o, d) / a;
   return std::abs(near - guess) <= std::abs(far - guess) ? near : far;
 }
 
 }  // namespace
 
 Ray make_aimed_vertex(RaySampler& s) {
-  if (s.at_triangle()) return s.aim(glm::dvec3(s.scene().corners(s.triangle())[s.random().below(3)]));
+  if (s.at_triangle()) {
+    const std::uint32_t triangle = s.triangle();
+    return s.aim(s.corners(triangle)[s.random().below(3)]);
+  }
   const Sphere& sphere = s.any_sphere();
   glm::vec3 pole = sphere.center;
   pole[static_cast<glm::length_t>(s.random().below(3))] += s.sign() * sphere.radius;
-  return s.aim(glm::dvec3(pole));
+  return s.aim(s.out(glm::dvec3(pole)));
 }
 
 Ray make_aimed_edge(RaySampler& s) {
@@ -110,20 +128,17 @@ Ray make_aimed_outside(RaySampler& s) { return aim_beside(s, -s.octave(kMostUlps
 Ray make_tangent(RaySampler& s) {
   const int ulps = s.random().below(4) == 0 ? 0 : static_cast<int>(s.sign()) * s.octave(kMostUlps);
   const std::vector<glm::vec4>& nodes = s.source().node_spheres;
-  const bool has_nodes = !nodes.empty(), has_spheres = !s.scene().spheres.empty();
+  const bool has_nodes = !nodes.empty(), has_spheres = s.has_spheres();
   if (has_nodes && (!has_spheres || s.coin())) {
     const glm::vec4& node = nodes[s.random().below(static_cast<std::uint32_t>(nodes.size()))];
     return touch(s, glm::dvec3(node), node.w, ulps);
   }
-  if (has_spheres) {
-    const Sphere& sphere = s.any_sphere();
-    return touch(s, glm::dvec3(sphere.center), sphere.radius, ulps);
-  }
+  if (has_spheres) return touch(s, s.any_sphere(), ulps);
   // Neither nodes nor spheres: the ball around a triangle's corners, as a tree of one triangle a leaf would have it.
-  const auto c = s.scene().corners(s.triangle());
-  const glm::dvec3 center = (glm::dvec3(c[0]) + glm::dvec3(c[1]) + glm::dvec3(c[2])) / 3.0;
+  const auto c = s.corners(s.triangle());
+  const glm::dvec3 center = (c[0] + c[1] + c[2]) / 3.0;
   double radius = 0.0;
-  for (const glm::vec3& corner : c) radius = std::max(radius, glm::length(glm::dvec3(corner) - center));
+  for (const glm::dvec3& corner : c) radius = std::max(radius, glm::length(corner - center));
   return touch(s, center, radius, ulps);
 }
 
@@ -131,17 +146,21 @@ Ray make_in_plane(RaySampler& s) {
   if (!s.at_triangle()) {
     // In a plane that touches a sphere: through the point of touch, or past it.
     const Sphere& sphere = s.any_sphere();
-    const glm::dvec3 normal = s.coin() ? s.random().direction() : glm::dvec3(0.0, 0.0, static_cast<double>(s.sign()));
-    const glm::dvec3 touch_point = glm::dvec3(sphere.center) + static_cast<double>(sphere.radius) * normal;
-    const glm::dvec3 direction = s.across(normal);
+    const glm::dvec3 local = s.coin() ? s.random().direction() : glm::dvec3(0.0, 0.0, static_cast<double>(s.sign()));
+    const glm::dvec3 touch_point = s.out(glm::dvec3(sphere.center) + static_cast<double>(sphere.radius) * local);
+    const glm::dvec3 normal = s.normal_out(local), direction = s.across(unit_or(normal, local));
+    // Past it by up to two radii, of the image's mean size.
+    const double size = s.place().instance == kNone
+                            ? static_cast<double>(sphere.radius)
+                            : glm::length(s.vector_out(static_cast<double>(sphere.radius) * direction));
     const glm::dvec3 past =
-        s.coin() ? glm::dvec3(0.0) : s.random().uniform(-2.0, 2.0) * sphere.radius * glm::cross(direction, normal);
+        s.coin() ? glm::dvec3(0.0) : s.random().uniform(-2.0, 2.0) * size * glm::cross(direction, normal);
     return s.ray_to(glm::vec3(touch_point - s.radius() * s.random().uniform(0.1, 2.0) * direction), touch_point + past);
   }
   const std::uint32_t triangle = s.triangle();
-  const auto c = s.scene().corners(triangle);
+  const auto c = s.corners(triangle);
   const std::uint32_t i = s.random().below(3);
-  const glm::dvec3 a(c[i]), b(c[(i + 1) % 3]), opposite(c[(i + 2) % 3]), center = (a + b + opposite) / 3.0;
+  const glm::dvec3 &a = c[i], &b = c[(i + 1) % 3], &opposite = c[(i + 2) % 3], center = (a + b + opposite) / 3.0;
   const glm::dvec3 interior = s.surface_point(triangle).position;
   switch (s.random().below(4)) {
     case 0: {  // along an edge, from the corner itself or from before it
@@ -165,7 +184,7 @@ Ray make_segment(RaySampler& s) {
   glm::dvec3 target = s.surface_point(primitive).position;
   if (s.scene().is_triangle(primitive) && s.random().below(4) == 0) target = edge_feature(s, primitive).point;
   Ray ray = s.aim(target);
-  const double t = hit_parameter(s.scene(), primitive, ray, target);
+  const double t = hit_parameter(s, primitive, ray, target);
   // Every 64th ends before it starts: a miss, whatever lies there.
   if (s.random().below(64) == 0) {
     constexpr float kEnds[4] = {0.0f, -0.0f, -1.0f, -std::numeric_limits<float>::infinity()};

@@ -60,24 +60,28 @@ Ray make_chord(RaySampler& s) {
 
 Ray make_axis(RaySampler& s) {
   glm::vec3 through(0.0f);
+  const auto rounded = [&](const glm::vec3& local) {
+    return s.place().instance == kNone ? local : glm::vec3(s.out(glm::dvec3(local)));
+  };
   switch (s.random().below(3)) {
     case 0: {  // a vertex, or where a line parallel to an axis touches a sphere
       const std::uint32_t p = s.primitive();
       if (s.scene().is_triangle(p)) {
-        through = s.scene().corners(p)[s.random().below(3)];
+        through = rounded(s.scene().corners(p)[s.random().below(3)]);
       } else {
         through = s.scene().sphere(p).center;
         through[static_cast<glm::length_t>(s.random().below(3))] += s.sign() * s.scene().sphere(p).radius;
+        through = rounded(through);
       }
       break;
     }
     case 1: {
       const std::uint32_t p = s.primitive();
       if (s.scene().is_triangle(p)) {
-        const auto c = s.scene().corners(p);
-        through = glm::vec3((glm::dvec3(c[0]) + glm::dvec3(c[1]) + glm::dvec3(c[2])) / 3.0);
+        const auto c = s.corners(p);
+        through = glm::vec3((c[0] + c[1] + c[2]) / 3.0);
       } else {
-        through = s.scene().sphere(p).center;
+        through = rounded(s.scene().sphere(p).center);
       }
       break;
     }
@@ -111,10 +115,10 @@ Ray make_inside(RaySampler& s) {
     case 0:
       return {glm::vec3(s.point_in_ball()), direction};
     case 1:
-      if (!s.scene().spheres.empty()) {
+      if (s.has_spheres()) {
         const Sphere& sphere = s.any_sphere();
         const double depth = std::cbrt(s.random().uniform()) * sphere.radius;
-        return {glm::vec3(glm::dvec3(sphere.center) + depth * s.random().direction()), direction};
+        return {glm::vec3(s.out(glm::dvec3(sphere.center) + depth * s.random().direction())), direction};
       }
       [[fallthrough]];
     default: {
@@ -126,12 +130,35 @@ Ray make_inside(RaySampler& s) {
   }
 }
 
+Ray make_into_instances(RaySampler& s) {
+  if (!s.has_instances()) return make_inside(s);
+  // Behind the surface by 2^-10 to 1 of the place's own radius: in it, or through and out at the other side.
+  const SurfacePoint start = s.surface_point();
+  const double depth = s.place().ball.radius * std::exp2(s.random().uniform(-10.0, 0.0));
+  const glm::vec3 origin(start.position - depth * start.normal);
+  if (s.random().below(4) == 0) return {origin, glm::vec3(s.random().direction())};
+  s.go_elsewhere();
+  return s.ray_to(origin, s.surface_point().position);
+}
+
+Ray make_between_instances(RaySampler& s) {
+  if (!s.has_instances()) return make_chord(s);
+  const glm::dvec3 from = s.surface_point().position;
+  const double before = s.coin() ? 0.0 : s.random().uniform(0.0, 2.0);
+  s.go_elsewhere();
+  const glm::dvec3 to = s.surface_point().position;
+  const glm::vec3 origin(from - before * (to - from));
+  // A segment that ends at the other instance, or a ray through it.
+  if (s.random().below(4) == 0) return {origin, glm::vec3(to - glm::dvec3(origin)), 1.0f};
+  return s.ray_to(origin, to);
+}
+
 Ray make_on_surface(RaySampler& s) {
   const SurfacePoint point = s.surface_point();
   Ray ray;
   ray.origin = glm::vec3(point.position);
   if (s.scene().is_triangle(point.primitive) && s.random().below(16) == 0) {
-    ray.origin = s.scene().corners(point.primitive)[s.random().below(3)];
+    ray.origin = glm::vec3(s.corners(point.primitive)[s.random().below(3)]);
   }
   const glm::dvec3 origin(ray.origin);
   glm::dvec3 direction(0.0);

@@ -127,7 +127,7 @@ TEST_CASE("Families of scenes of spheres alone, of one triangle, of nothing, of 
 }
 
 TEST_CASE("Family names are stable and unknown ones are refused with the list") {
-  CHECK(ray_families().size() == 16);
+  CHECK(ray_families().size() == 18);
   for (const RayFamilyInfo& info : ray_families()) {
     CHECK(find_ray_family(info.name) == info.family);
     CHECK(ray_family_info(info.family).name == info.name);
