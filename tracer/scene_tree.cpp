@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <map>
 #include <set>
 
 #include "scenes/error.h"
@@ -173,20 +175,15 @@ class GroupBuilder {
   const bool list_;
 };
 
-/// What stands in the group's space, without padding: the balls of its leaves, in the order of the tree.
-std::vector<Ball> contents(const Scene& scene, const SceneTree& tree, std::uint32_t g) {
-  std::vector<Ball> balls;
-  for (const std::uint32_t n : tree.groups[g].leaves) {
-    const Node& node = scene.nodes[n];
-    balls.push_back(
-        carried(node.transform, node.part != kNone ? tree.part_balls[node.part] : tree.groups[n + 1].content));
-  }
-  return balls;
-}
+/// Up to so many leaves a ball is fitted to the leaves, above that to the children's balls: a node that moves must not
+/// cost a look at all others.
+constexpr std::uint32_t kFitLeaves = 48;
 
-void refit_content(const Scene& scene, SceneTree& tree, std::uint32_t g) {
+/// What stands in the group's space: the tree, and in the world its own geometry.
+void refit_content(SceneTree& tree, std::uint32_t g) {
   GroupTree& group = tree.groups[g];
-  std::vector<Ball> balls = contents(scene, tree, g);
+  std::vector<Ball> balls;
+  if (!group.nodes.empty()) balls.push_back(group.nodes[0].content);
   if (g == 0 && !tree.world.nodes.empty()) balls.push_back(tree.world_ball);
   group.content = fit_ball(balls);
   group.extent = power_above(group.content.radius);
@@ -218,19 +215,44 @@ Ball leaf_ball(const Scene& scene, const SceneTree& tree, std::uint32_t g, std::
   return ball;
 }
 
-void refit_node(const Scene& scene, SceneTree& tree, std::uint32_t g, std::uint32_t i) {
+void refit_leaf_content(const Scene& scene, SceneTree& tree, std::uint32_t g, std::uint32_t i) {
+  GroupNode& leaf = tree.groups[g].nodes[i];
+  const std::uint32_t n = tree.groups[g].leaves[leaf.first_leaf];
+  const std::uint32_t part = scene.nodes[n].part;
+  leaf.content = carried(scene.nodes[n].transform, part != kNone ? tree.part_balls[part] : tree.groups[n + 1].content);
+}
+
+/// The nodes that an inner node's ball is fitted to.
+std::vector<std::uint32_t> below(const SceneTree& tree, const GroupTree& group, const GroupNode& node) {
+  std::vector<std::uint32_t> nodes;
+  if (node.leaf_count > kFitLeaves) {
+    for (std::uint32_t c = 0; c < node.child_count; ++c) nodes.push_back(node.first_child + c);
+  } else {
+    for (std::uint32_t k = 0; k < node.leaf_count; ++k) nodes.push_back(tree.leaf[group.leaves[node.first_leaf + k]]);
+  }
+  return nodes;
+}
+
+void refit_inner_content(SceneTree& tree, std::uint32_t g, std::uint32_t i) {
+  GroupTree& group = tree.groups[g];
+  std::vector<Ball> balls;
+  for (const std::uint32_t n : below(tree, group, group.nodes[i])) balls.push_back(group.nodes[n].content);
+  group.nodes[i].content = fit_ball(balls);
+}
+
+/// The padded ball; what lies below must have its own.
+void refit_reach(const Scene& scene, SceneTree& tree, std::uint32_t g, std::uint32_t i) {
   GroupTree& group = tree.groups[g];
   GroupNode& node = group.nodes[i];
-  std::vector<Ball> balls;
+  Ball ball;
   if (node.is_leaf()) {
-    balls.push_back(leaf_ball(scene, tree, g, group.leaves[node.first_leaf]));
+    ball = leaf_ball(scene, tree, g, group.leaves[node.first_leaf]);
   } else {
-    for (std::uint32_t k = node.first_leaf; k < node.first_leaf + node.leaf_count; ++k) {
-      const GroupNode& leaf = group.nodes[tree.leaf[group.leaves[k]]];
-      balls.push_back({leaf.center, leaf.radius});
-    }
+    std::vector<Ball> balls;
+    for (const std::uint32_t n : below(tree, group, node))
+      balls.push_back({group.nodes[n].center, group.nodes[n].radius});
+    ball = fit_ball(balls);
   }
-  const Ball ball = fit_ball(balls);
   node.center = ball.center, node.radius = ball.radius;
 }
 
@@ -282,43 +304,42 @@ SceneTree build_scene_tree(const Scene& scene, const TreeOptions& options, bool 
 
 void refit_all_groups(const Scene& scene, SceneTree& tree) {
   for (std::uint32_t g = static_cast<std::uint32_t>(tree.groups.size()); g-- > 0;) {
-    refit_content(scene, tree, g);
-    const auto count = static_cast<std::uint32_t>(tree.groups[g].nodes.size());
-    for (const bool leaves : {true, false}) {
-      for (std::uint32_t i = 0; i < count; ++i)
-        if (tree.groups[g].nodes[i].is_leaf() == leaves) refit_node(scene, tree, g, i);
-    }
+    const std::vector<GroupNode>& nodes = tree.groups[g].nodes;
+    // Children stand behind their parents.
+    for (std::uint32_t i = static_cast<std::uint32_t>(nodes.size()); i-- > 0;)
+      nodes[i].is_leaf() ? refit_leaf_content(scene, tree, g, i) : refit_inner_content(tree, g, i);
+    refit_content(tree, g);
+    for (std::uint32_t i = static_cast<std::uint32_t>(nodes.size()); i-- > 0;) refit_reach(scene, tree, g, i);
   }
 }
 
 std::vector<GroupPlace> refit_groups(const Scene& scene, std::span<const std::uint32_t> moved, SceneTree& tree,
                                      bool& rescaled) {
   rescaled = false;
-  // Groups from the innermost outwards: a group's own number is above that of the group that it stands in.
-  std::set<std::uint32_t, std::greater<>> groups;
-  std::vector<std::vector<std::uint32_t>> leaves_of(tree.groups.size());
+  // Groups from the innermost outwards: a group's own number is above that of the group that it stands in. In each the
+  // nodes to be refitted, those behind first.
+  using Nodes = std::set<std::uint32_t, std::greater<>>;
+  std::map<std::uint32_t, Nodes, std::greater<>> groups;
   const auto touch = [&](std::uint32_t n) {
     if (tree.leaf[n] == kNone) return;
-    groups.insert(group_of(scene, n));
-    leaves_of[group_of(scene, n)].push_back(tree.leaf[n]);
+    const std::uint32_t g = group_of(scene, n);
+    for (std::uint32_t i = tree.leaf[n]; i != kNone; i = tree.groups[g].nodes[i].parent) groups[g].insert(i);
   };
   for (const std::uint32_t n : moved) touch(n);
   std::vector<GroupPlace> places;
   while (!groups.empty()) {
-    const std::uint32_t g = *groups.begin();
+    const auto [g, nodes] = *groups.begin();
     groups.erase(groups.begin());
     GroupTree& group = tree.groups[g];
     const double extent = group.extent;
-    refit_content(scene, tree, g);
+    for (const std::uint32_t i : nodes)
+      group.nodes[i].is_leaf() ? refit_leaf_content(scene, tree, g, i) : refit_inner_content(tree, g, i);
+    refit_content(tree, g);
     rescaled = rescaled || group.extent != extent;
-    std::set<std::uint32_t> above, leaves(leaves_of[g].begin(), leaves_of[g].end());
-    for (const std::uint32_t leaf : leaves) {
-      refit_node(scene, tree, g, leaf);
-      for (std::uint32_t i = group.nodes[leaf].parent; i != kNone; i = group.nodes[i].parent) above.insert(i);
+    for (const std::uint32_t i : nodes) {
+      refit_reach(scene, tree, g, i);
+      places.push_back({g, i});
     }
-    for (const std::uint32_t i : above) refit_node(scene, tree, g, i);
-    for (const std::uint32_t i : above) places.push_back({g, i});
-    for (const std::uint32_t i : leaves) places.push_back({g, i});
     if (g > 0) touch(g - 1);
   }
   return places;

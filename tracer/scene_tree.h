@@ -19,6 +19,7 @@ inline constexpr std::uint32_t kMaxDepth = 64;
 struct GroupNode {
   glm::dvec3 center{0.0};
   double radius = 0.0;            ///< around all that a ray may hit below, rounding included, in the group's space
+  Ball content;                   ///< around all that stands below, without padding
   glm::dvec3 rest_center{0.0};    ///< `center` when the nodes stand at rest: children are ordered by it
   std::uint32_t first_child = 0;  ///< into GroupTree::nodes; children are contiguous and stand after their parent
   std::uint32_t child_count = 0;  ///< 0: a leaf
