@@ -46,7 +46,8 @@ std::string address_of(std::string_view path) {
 std::string source_of(const PictureRecord& picture, const std::filesystem::path& folder, bool embed) {
   if (embed) {
     try {
-      return "data:image/png;base64," + base64(read_text(folder / picture.path));
+      const std::string type = picture.path.ends_with(".svg") ? "svg+xml" : "png";
+      return "data:image/" + type + ";base64," + base64(read_text(folder / picture.path));
     } catch (const InputError&) {
       // The picture was not kept with the results: the page then says so where it would stand.
     }

@@ -121,19 +121,22 @@ Picture paint_verdicts(std::span<const std::uint8_t> verdicts, std::span<const s
   return picture;
 }
 
-PictureRecord save_picture(const Picture& picture, const std::filesystem::path& folder, const std::string& stem,
-                           const std::string& title, const std::string& caption) {
-  PLUMBLINE_ASSERT(!picture.pixels.empty());
-  std::string name = stem;
+std::string picture_file_name(std::string stem) {
   std::replace_if(
-      name.begin(), name.end(),
+      stem.begin(), stem.end(),
       [](char c) {
         return !((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '_' ||
                  c == '-');
       },
       '_');
+  return stem;
+}
+
+PictureRecord save_picture(const Picture& picture, const std::filesystem::path& folder, const std::string& stem,
+                           const std::string& title, const std::string& caption) {
+  PLUMBLINE_ASSERT(!picture.pixels.empty());
   PictureRecord record;
-  record.path = "pictures/" + name + ".png";
+  record.path = "pictures/" + picture_file_name(stem) + ".png";
   record.title = title;
   record.caption = caption;
   record.width = picture.width;

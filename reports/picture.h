@@ -46,6 +46,9 @@ Picture paint_primitives(std::span<const std::uint32_t> primitives, std::span<co
 Picture paint_verdicts(std::span<const std::uint8_t> verdicts, std::span<const std::string> names,
                        std::span<const float> brightness, int width, int height, int grow = 2);
 
+/// `stem` with every character that is no good in a file name replaced by '_'.
+std::string picture_file_name(std::string stem);
+
 /// Writes folder/pictures/STEM.png (characters of `stem` that are no good in a file name become '_') and returns its
 /// record, complete but for `explain`. Throws EnvironmentError where the disk refuses.
 PictureRecord save_picture(const Picture& picture, const std::filesystem::path& folder, const std::string& stem,

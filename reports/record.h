@@ -19,12 +19,12 @@ struct RayRecord {
   std::uint64_t index = 0;  ///< number within its case: with the case's seed it repeats the ray
   std::string origin, direction,
       t_max;              ///< hex floats, components separated by commas: the arguments of `explain --ray`
-  std::string tracer;     ///< one line: "hit 812 at t = 3.2000003"
+  std::string tracer;     ///< one line: "hit 812 of instance 7 at t = 3.2000003"; no instance: in world space
   std::string reference;  ///< one line
   std::string exact;      ///< one line: what exact arithmetic says; empty where it was not asked
   std::string reason;     ///< one sentence
-  double margin = 0.0;    ///< world units; grazing rays only
-  double bound = 0.0;     ///< world units; grazing rays only
+  double margin = 0.0;    ///< grazing rays only: units of the space where the primitive stands
+  double bound = 0.0;     ///< likewise
   std::string replay;     ///< the command that repeats this ray
 };
 
