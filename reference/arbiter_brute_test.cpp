@@ -5,6 +5,7 @@
 #include "reference/arbiter.h"
 #include "reference/brute_force_test.h"
 #include "reference/lattice_test.h"
+#include "reference/small_scenes_test.h"
 
 using namespace plumbline;
 
@@ -22,7 +23,7 @@ struct Counts {
 /// Everything that the arbiter says of a ray, against the loop.
 void compare_with_loop(const Scene& scene, const Arbiter& arbiter, const Ray& ray, Counts& counts) {
   const std::vector<std::uint32_t> expected = brute::nearest(scene, ray);
-  const std::vector<std::uint32_t> nearest = arbiter.nearest(ray);
+  const std::vector<std::uint32_t> nearest = nearest_in_world(arbiter, ray);
   CAPTURE(ray.origin.x, ray.origin.y, ray.origin.z, ray.direction.x, ray.direction.y, ray.direction.z, ray.t_max);
   REQUIRE(nearest == expected);
   counts.hits += !expected.empty();

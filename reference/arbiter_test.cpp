@@ -9,6 +9,7 @@
 #include <chrono>
 
 #include "reference/lattice_test.h"
+#include "reference/small_scenes_test.h"
 #include "scenes/error.h"
 #include "scenes/generate.h"
 #include "scenes/rays.h"
@@ -18,18 +19,6 @@ using Primitives = std::vector<std::uint32_t>;
 
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
-/// The triangle (0,0,0) (1,0,0) (0,1,0), and a sphere of radius 1 around (0,0,5).
-Scene triangle_below_sphere() {
-  Scene scene;
-  scene.materials.resize(1);
-  scene.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  scene.triangles.push_back({.position = {0, 1, 2}});
-  scene.spheres.push_back({{0, 0, 5}, 1.0f, 0});
-  return scene;
-}
-
 constexpr std::uint32_t kTriangle = 0, kSphere = 1;
 
 }  // namespace
@@ -38,21 +27,21 @@ TEST_CASE("A ray is open at zero and closed at t_max") {
   const Scene scene = triangle_below_sphere();
   const Arbiter arbiter(scene);
   const glm::vec3 up{0, 0, 2}, origin{0.25f, 0.25f, -3};
-  CHECK(arbiter.nearest({origin, up, kInfinity}) == Primitives{kTriangle});
-  CHECK(arbiter.nearest({origin, up, 1.5f}) == Primitives{kTriangle});
-  CHECK(arbiter.nearest({origin, up, step_ulps(1.5f, -1)}).empty());
-  CHECK(arbiter.nearest({origin, up, 0.0f}).empty());
-  CHECK(arbiter.nearest({origin, up, -1.0f}).empty());
-  CHECK(arbiter.nearest({origin, up, -kInfinity}).empty());
+  CHECK(nearest_in_world(arbiter, {origin, up, kInfinity}) == Primitives{kTriangle});
+  CHECK(nearest_in_world(arbiter, {origin, up, 1.5f}) == Primitives{kTriangle});
+  CHECK(nearest_in_world(arbiter, {origin, up, step_ulps(1.5f, -1)}).empty());
+  CHECK(nearest_in_world(arbiter, {origin, up, 0.0f}).empty());
+  CHECK(nearest_in_world(arbiter, {origin, up, -1.0f}).empty());
+  CHECK(nearest_in_world(arbiter, {origin, up, -kInfinity}).empty());
   CHECK(arbiter.crossings({origin, up, -kInfinity}, 1.0, 1e9).empty());
   CHECK(arbiter.crossings({origin, up, 0.0f}, 0.0, 1.5).size() == 1);  // with slack
   // From the surface the triangle itself is not met, the sphere behind it is.
-  CHECK(arbiter.nearest({{0.25f, 0.25f, 0}, up, kInfinity}) == Primitives{kSphere});
-  CHECK(arbiter.nearest({{0.25f, 0.25f, -0x1p-149f}, up, kInfinity}) == Primitives{kTriangle});
+  CHECK(nearest_in_world(arbiter, {{0.25f, 0.25f, 0}, up, kInfinity}) == Primitives{kSphere});
+  CHECK(nearest_in_world(arbiter, {{0.25f, 0.25f, -0x1p-149f}, up, kInfinity}) == Primitives{kTriangle});
   // A sphere's pole at t = 4 exactly.
-  CHECK(arbiter.nearest({{0, 0, 4}, -up, kInfinity}) == Primitives{kTriangle});
-  CHECK(arbiter.nearest({{0, 0, 4}, up, 1.0f}) == Primitives{kSphere});
-  CHECK(arbiter.nearest({{0, 0, 4}, up, step_ulps(1.0f, -1)}).empty());
+  CHECK(nearest_in_world(arbiter, {{0, 0, 4}, -up, kInfinity}) == Primitives{kTriangle});
+  CHECK(nearest_in_world(arbiter, {{0, 0, 4}, up, 1.0f}) == Primitives{kSphere});
+  CHECK(nearest_in_world(arbiter, {{0, 0, 4}, up, step_ulps(1.0f, -1)}).empty());
 }
 
 TEST_CASE("Triangles are closed, have two sides, and are not met in their plane") {
@@ -61,7 +50,9 @@ TEST_CASE("Triangles are closed, have two sides, and are not met in their plane"
   const Arbiter arbiter(scene);
   for (const float side : {-1.0f, 1.0f}) {
     const glm::vec3 direction{0, 0, side};
-    const auto through = [&](float x, float y) { return arbiter.nearest({{x, y, -side}, direction, kInfinity}); };
+    const auto through = [&](float x, float y) {
+      return nearest_in_world(arbiter, {{x, y, -side}, direction, kInfinity});
+    };
     CHECK(through(0, 0) == Primitives{kTriangle});
     CHECK(through(1, 0) == Primitives{kTriangle});
     CHECK(through(0.5f, 0) == Primitives{kTriangle});
@@ -69,8 +60,8 @@ TEST_CASE("Triangles are closed, have two sides, and are not met in their plane"
     CHECK(through(0.25f, -0x1p-149f) != Primitives{kTriangle});
     CHECK(through(0.5f, step_ulps(0.5f, 1)) != Primitives{kTriangle});
   }
-  CHECK(arbiter.nearest({{-1, 0.25f, 0}, {1, 0, 0}, kInfinity}).empty());
-  CHECK(arbiter.nearest({{-1, 0, 0}, {1, 0, 0}, kInfinity}).empty());
+  CHECK(nearest_in_world(arbiter, {{-1, 0.25f, 0}, {1, 0, 0}, kInfinity}).empty());
+  CHECK(nearest_in_world(arbiter, {{-1, 0, 0}, {1, 0, 0}, kInfinity}).empty());
   const auto in_plane = arbiter.crossings({{-1, 0.25f, 0}, {1, 0, 0}, kInfinity}, 0.5, 0.0);
   REQUIRE(in_plane.size() == 2);
   for (const Crossing& c : in_plane) {
@@ -102,7 +93,7 @@ TEST_CASE("Spheres are surfaces, and a tangent hits") {
   CHECK(tangent[0].t == 3.0);
   CHECK(tangent[0].t_enter == tangent[0].t_leave);
   CHECK(tangent[0].margin == 0.0);
-  CHECK(arbiter.nearest({{step_ulps(1.0f, 1), -3, 5}, {0, 1, 0}, kInfinity}).empty());
+  CHECK(nearest_in_world(arbiter, {{step_ulps(1.0f, 1), -3, 5}, {0, 1, 0}, kInfinity}).empty());
   const auto beside = arbiter.crossings({{1.25f, -3, 5}, {0, 1, 0}, kInfinity}, 0.5, 0.0);
   REQUIRE(beside.size() == 1);
   CHECK(beside[0].margin == Approx(-0.25));
@@ -118,10 +109,10 @@ TEST_CASE("All that share the least t are nearest") {
   scene.triangles.push_back({.position = {1, 4, 2}});                                  // shares the edge x + y = 1
   scene.spheres = {{{0, 0, 1}, 1.0f, 0}, {{0, 0, 1}, 1.0f, 0}, {{0, 0, 2}, 2.0f, 0}};  // touch the plane in the origin
   const Arbiter arbiter(scene);
-  CHECK(arbiter.nearest({{0.5f, 0, -1}, {0, 0, 1}, kInfinity}) == Primitives{0, 1});
-  CHECK(arbiter.nearest({{1, 0, -1}, {0, 0, 1}, kInfinity}) == Primitives{0, 1, 2});
-  CHECK(arbiter.nearest({{0, 0, -1}, {0, 0, 1}, kInfinity}) == Primitives{0, 1, 3, 4, 5});
-  CHECK(arbiter.nearest({{0, 0, 0.5f}, {0, 0, 1}, kInfinity}) == Primitives{3, 4});
+  CHECK(nearest_in_world(arbiter, {{0.5f, 0, -1}, {0, 0, 1}, kInfinity}) == Primitives{0, 1});
+  CHECK(nearest_in_world(arbiter, {{1, 0, -1}, {0, 0, 1}, kInfinity}) == Primitives{0, 1, 2});
+  CHECK(nearest_in_world(arbiter, {{0, 0, -1}, {0, 0, 1}, kInfinity}) == Primitives{0, 1, 3, 4, 5});
+  CHECK(nearest_in_world(arbiter, {{0, 0, 0.5f}, {0, 0, 1}, kInfinity}) == Primitives{3, 4});
 }
 
 TEST_CASE("Margins and near edges are distances in space") {
@@ -155,11 +146,11 @@ TEST_CASE("Margins and near edges are distances in space") {
 
 TEST_CASE("An empty scene and a single primitive have answers") {
   const Arbiter nothing{Scene{}};
-  CHECK(nothing.nearest({}).empty());
+  CHECK(nearest_in_world(nothing, {}).empty());
   CHECK(nothing.crossings({}, 1.0, 1.0).empty());
   Scene one = triangle_below_sphere();
   one.spheres.clear();
-  CHECK(Arbiter(one).nearest({{0.25f, 0.25f, 1}, {-0.0f, 0.0f, -1}, kInfinity}) == Primitives{0});
+  CHECK(nearest_in_world(Arbiter(one), {{0.25f, 0.25f, 1}, {-0.0f, 0.0f, -1}, kInfinity}) == Primitives{0});
 }
 
 TEST_CASE("Far origins and directions of any length change nothing but t") {
@@ -179,11 +170,11 @@ TEST_CASE("Far origins and directions of any length change nothing but t") {
         far{target - steps * direction, direction, kInfinity};
     if (glm::dvec3(far.origin) + static_cast<double>(steps) * glm::dvec3(direction) != glm::dvec3(target)) continue;
     if (glm::dvec3(near.origin) + 8.0 * glm::dvec3(direction) != glm::dvec3(target)) continue;
-    const Primitives expected = arbiter.nearest(near);
+    const Primitives expected = nearest_in_world(arbiter, near);
     hits += !expected.empty();
-    CHECK(arbiter.nearest(far) == expected);
-    CHECK(arbiter.nearest({near.origin, near.direction * 0x1p-120f, kInfinity}) == expected);
-    CHECK(arbiter.nearest({near.origin, near.direction * 0x1p120f, kInfinity}) == expected);
+    CHECK(nearest_in_world(arbiter, far) == expected);
+    CHECK(nearest_in_world(arbiter, {near.origin, near.direction * 0x1p-120f, kInfinity}) == expected);
+    CHECK(nearest_in_world(arbiter, {near.origin, near.direction * 0x1p120f, kInfinity}) == expected);
     if (expected.empty()) continue;
     const auto t_of = [&](const Ray& ray) { return arbiter.crossings(ray, 0.0, 0.0).at(0).t; };
     CHECK(t_of(far) == Approx(t_of(near) + steps - 8.0).epsilon(1e-14));
@@ -198,12 +189,12 @@ TEST_CASE("Threads and queries leave each other and the rounding mode alone") {
   constexpr int kRays = 4000;
   std::vector<Primitives> alone(kRays), together(kRays);
   REQUIRE(std::fegetround() == FE_TONEAREST);
-  for (int i = 0; i < kRays; ++i) alone[i] = arbiter.nearest(lattice::ray(scene, 50, i));
+  for (int i = 0; i < kRays; ++i) alone[i] = nearest_in_world(arbiter, lattice::ray(scene, 50, i));
   CHECK(std::fegetround() == FE_TONEAREST);
   CHECK(arbiter.exact_decisions() > 1000);
   std::atomic<int> wrong_modes{0};
   tbb::parallel_for(0, kRays, [&](int i) {
-    together[i] = arbiter.nearest(lattice::ray(scene, 50, i));
+    together[i] = nearest_in_world(arbiter, lattice::ray(scene, 50, i));
     wrong_modes += std::fegetround() != FE_TONEAREST;
   });
   CHECK(wrong_modes == 0);
@@ -231,7 +222,7 @@ TEST_CASE("Both queries agree on every family of rays") {
         }
         CAPTURE(name, family.name, ray.origin.x, ray.origin.y, ray.origin.z, ray.direction.x, ray.direction.y,
                 ray.direction.z);
-        CHECK(arbiter.nearest(ray) == marked);
+        CHECK(nearest_in_world(arbiter, ray) == marked);
       }
     }
   }

@@ -45,6 +45,12 @@ struct Bounded {
     if (!(least > 0)) return {v, std::numeric_limits<T>::infinity()};
     return {v, (a.error + std::fabs(v) * (1 + kUnit) * b.error) / least * (1 + kUnit) + kUnit * std::fabs(v)};
   }
+  /// Times a power of two: exact.
+  friend Bounded scaled(const Bounded& a, T power_of_two) {
+    Bounded result;
+    result.value = a.value * power_of_two, result.error = a.error * power_of_two;
+    return result;
+  }
   /// Of a number known not to be negative.
   friend Bounded sqrt(const Bounded& a) {
     if (!(a.value > a.error)) return {0, std::sqrt(std::fmax(a.value, T(0)) + a.error)};
@@ -52,6 +58,9 @@ struct Bounded {
     return {v, a.error / v + kUnit * v};
   }
 };
+
+/// What t is computed in, and everything else that is to be good to a double.
+using BoundedT = Bounded<long double>;
 
 /// Whether the two are certainly in this order.
 template <class T>

@@ -51,7 +51,7 @@ struct Builder {
       });
       return begin + (end - begin) / 2;
     };
-    if (!(size[axis] > 0.0) || depth > kMaxSahDepth) return middle();
+    if (!(size[axis] > 0.0) || !std::isfinite(size[axis]) || depth > kMaxSahDepth) return middle();
 
     const double to_bin = kBins / size[axis];
     const auto bin_of = [&](std::uint32_t i) {
@@ -129,9 +129,20 @@ BoxTree build_box_tree(const std::vector<Box>& boxes) {
 
 SlabLine::SlabLine(const Line& line, const Box& bounds, double reach, double first_s, double last_s) {
   constexpr double kUnit = std::numeric_limits<double>::epsilon() / 2;
+  // Where the line is within the bounds, |s| is at most how far they reach from the point, for one component of the
+  // direction is at least 1.
+  double line_pad = 0.0;
+  if (line.point_error > 0.0) {
+    double farthest = 0.0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double bound = std::fmax(std::fabs(bounds.lower[axis]), std::fabs(bounds.upper[axis]));
+      farthest = std::fmax(farthest, bound + std::fabs(line.point[axis]) + reach);
+    }
+    line_pad = 2.0 * (line.point_error + line.direction_error * farthest);
+  }
   for (int axis = 0; axis < 3; ++axis) {
     const double largest_bound = std::fmax(std::fabs(bounds.lower[axis]), std::fabs(bounds.upper[axis]));
-    const double pad = reach + 16.0 * kUnit * (largest_bound + std::fabs(line.point[axis]) + reach);
+    const double pad = reach + 16.0 * kUnit * (largest_bound + std::fabs(line.point[axis]) + reach) + line_pad;
     before[axis] = line.point[axis] + pad;
     behind[axis] = line.point[axis] - pad;
     inverse[axis] = 1.0 / line.direction[axis];

@@ -38,7 +38,8 @@ BoxTree build_box_tree(const std::vector<Box>& boxes);
 ///
 /// In each axis the slab's s is ((bound -+ pad) - p) / d, computed with three roundings. For the box without its pad
 /// that is off by at most 4 u |s|, which moves the bound by 4 u (|bound| + |p| + pad). A pad of reach plus four times
-/// that covers it, and the pad's own roundings, and what `point` lacks of p, at most u |p|. A zero component makes the
+/// that covers it, and the pad's own roundings, and what `point` lacks of p, at most u |p|. A line that is itself off
+/// by some error has a pad that is wider by twice what that moves it within the bounds. A zero component makes the
 /// slab's s infinite on the side where the line is, or NaN where it touches the padded face; comparisons are written so
 /// that NaN does not exclude.
 struct SlabLine {

@@ -18,9 +18,18 @@ enum class SphereMode {
   embree,      ///< Embree's own sphere primitive (a cross-check)
 };
 
+/// How a scene's instances come to be: two truths that share no arithmetic.
+enum class Placement {
+  instanced,  ///< one tree for each part; rays are taken into an instance's space by its exactly composed map
+  flattened,  ///< all is brought into the world by maps composed in double, and is one tree
+};
+
 class EmbreeScene {
  public:
-  explicit EmbreeScene(const Scene& scene, SphereMode spheres = SphereMode::exact_user);
+  /// `flattened` needs exact_user, and throws InputError for scenes that show more than kMostFlattened (geometry.h)
+  /// primitives.
+  explicit EmbreeScene(const Scene& scene, SphereMode spheres = SphereMode::exact_user,
+                       Placement placement = Placement::instanced);
   ~EmbreeScene();
   EmbreeScene(EmbreeScene&&) noexcept;
   EmbreeScene& operator=(EmbreeScene&&) noexcept;
@@ -33,10 +42,19 @@ class EmbreeScene {
   /// of a radius beyond 2^20 or below 2^-20 are scaled likewise. Embree's word stands even where it errs: if double
   /// precision finds no valid hit on the named primitive, t and weights are clamped to what is valid (triangle_values
   /// in hit_values.h).
+  ///
+  /// In scenes with instances each instance that Embree's tree of their boxes gives (boxes padded for the rounding of
+  /// the ray, so none is lost) is asked in its part's tree, with the ray taken into its space in extended precision and
+  /// moved to the part as above; of what they and the world name the least t in double counts, among equals the world
+  /// and then the lowest instance. So an instance far from the world's origin, or tiny, is traced as exactly as a scene
+  /// of its own. Values: the local line's numbers are off by at most 2^-59 |L^-1| (|o| + |T|) (component by component,
+  /// instance_map.h), the values in the instance's space by a few 2^-53 of the coordinates of part and line there, and
+  /// the way out, L p + T, by 2^-50 (|L| |p| + |T|): all far below 2^-40 of the coordinates involved. Flattened corners
+  /// are off by a few 2^-53 (|L| |p| + |T|); Embree sees them rounded to 32 bits.
   void intersect(std::span<const Ray> rays, std::span<ReferenceHit> hits) const;
 
-  /// rtcIntersect1 on each ray as given and nothing else, on all cores: what the benchmark times. Returns the number of
-  /// hits.
+  /// rtcIntersect1 on each ray as given and nothing else, on all cores: what the benchmark times. Instances are
+  /// Embree's own here (RTC_GEOMETRY_TYPE_INSTANCE, the composed maps rounded to 32 bits). Returns the number of hits.
   std::size_t intersect_only(std::span<const Ray> rays) const;
 
   static std::string version();  ///< "Embree 3.13.5"

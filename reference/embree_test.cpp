@@ -14,6 +14,7 @@
 
 #include "reference/arbiter.h"
 #include "reference/exact_values.h"
+#include "reference/small_scenes_test.h"
 #include "scenes/generate.h"
 #include "scenes/random.h"
 #include "scenes/rays.h"
@@ -22,35 +23,6 @@
 using namespace plumbline;
 
 namespace {
-
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
-ReferenceHit trace(const EmbreeScene& scene, const Ray& ray) {
-  ReferenceHit hit;
-  scene.intersect({&ray, 1}, {&hit, 1});
-  return hit;
-}
-
-std::vector<ReferenceHit> trace(const EmbreeScene& scene, const std::vector<Ray>& rays) {
-  std::vector<ReferenceHit> hits(rays.size());
-  scene.intersect(rays, hits);
-  return hits;
-}
-
-/// The triangle (0,0,0) (1,0,0) (0,1,0), and a sphere of radius 1 around (0,0,5).
-Scene triangle_below_sphere() {
-  Scene scene;
-  scene.materials.resize(1);
-  scene.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  scene.triangles.push_back({.position = {0, 1, 2}});
-  scene.spheres.push_back({{0, 0, 5}, 1.0f, 0});
-  return scene;
-}
-
-bool is_right(const ReferenceHit& hit, const std::vector<std::uint32_t>& nearest) {
-  if (nearest.empty()) return hit.kind == HitKind::miss;
-  return hit.kind == HitKind::hit && std::binary_search(nearest.begin(), nearest.end(), hit.primitive);
-}
 
 /// How far Embree was from being right: the least lateral distance that would have to be forgiven, on the primitive
 /// that it named wrongly or on the one that it overlooked; or the distance in depth of the two.
@@ -201,7 +173,7 @@ TEST_CASE("Both kinds of spheres agree but for grazing rays") {
       // The square is met by Embree's own triangle test in both modes.
       const auto nearest = arbiter.nearest(rays[i]);
       const bool on_spheres =
-          std::all_of(nearest.begin(), nearest.end(), [&](auto p) { return !scene.is_triangle(p); });
+          std::all_of(nearest.begin(), nearest.end(), [&](auto p) { return !scene.is_triangle(p.primitive); });
       exact_wrong += on_spheres && exact[i].kind == HitKind::hit && !scene.is_triangle(exact[i].primitive) &&
                      !is_right(exact[i], nearest);
       if (exact[i].kind == cross_check[i].kind && exact[i].primitive == cross_check[i].primitive) continue;

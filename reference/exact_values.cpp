@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "reference/filter.h"
-#include "reference/formulas.h"
 #include "scenes/error.h"
 
 namespace plumbline {
@@ -23,51 +22,57 @@ glm::dvec3 rounded(const Vec<BoundedT>& v) {
   return {static_cast<double>(v.x.value), static_cast<double>(v.y.value), static_cast<double>(v.z.value)};
 }
 
-/// Fills `hit` where the bounds are good enough everywhere.
-bool bounded_values(const Filter& filter, const Solid& solid, Root root, ReferenceHit& hit) {
-  const Line& line = filter.line();
-  const BoundedT s = filter.s_of(solid, root), t = BoundedT(line.shift) + s;
-  const auto d = vec<BoundedT>(line.direction);
-  const auto position = vec<BoundedT>(line.point) + (vec<BoundedT>(line.rest) + d * s);
-  if (!(t.error <= 0x1p-54L * std::fabs(t.value)) || !good(position)) return false;
-  hit.t = static_cast<double>(t.value) * line.unit;
+Vec<BoundedT> unit(const Vec<BoundedT>& v) {
+  const BoundedT length = sqrt(dot(v, v));
+  return {v.x / length, v.y / length, v.z / length};
+}
+
+/// Fills `hit` where the bounds are good enough everywhere. `map` is null in the world.
+bool bounded_values(Filter& filter, const Line& world, const InstanceMap* map, const Solid& solid, Root root,
+                    ReferenceHit& hit) {
+  const LineOf<BoundedT>& line = filter.wide();
+  const BoundedT s = filter.s_of(solid, root), t = filter.t_of(solid, root);
+  if (!(t.error <= 0x1p-54L * std::fabs(t.value))) return false;
+  // t is the same in the world.
+  const BoundedT s_world =
+      map == nullptr ? s : scaled(t, 1.0L / static_cast<long double>(world.unit)) - BoundedT(world.shift);
+  const auto d = vec<BoundedT>(world.direction);
+  const auto position = vec<BoundedT>(world.point) + (vec<BoundedT>(world.rest) + d * s_world);
+  if (!good(position)) return false;
+  hit.t = static_cast<double>(t.value);
   hit.position = rounded(position);
   Vec<BoundedT> normal;
   if (solid.is_sphere) {
-    normal = d * s - from_line<BoundedT>(line, solid.corners[0]);
+    normal = line.direction * s - line.see(solid.corners[0]);
   } else {
     const auto& [v0, v1, v2] = solid.corners;
-    const auto terms = plane_terms<BoundedT>(line, solid.corners);
-    const BoundedT u = edge_moment<BoundedT>(line, v2, v0) / terms.determinant;
-    const BoundedT v = edge_moment<BoundedT>(line, v0, v1) / terms.determinant;
+    const auto terms = plane_terms(line, solid.corners);
+    const BoundedT u = edge_moment(line, v2, v0) / terms.determinant;
+    const BoundedT v = edge_moment(line, v0, v1) / terms.determinant;
     if (!(u.error <= 0x1p-54L && v.error <= 0x1p-54L)) return false;
     hit.barycentrics = {static_cast<double>(u.value), static_cast<double>(v.value)};
     normal = terms.normal;
   }
-  const BoundedT length = sqrt(dot(normal, normal));
-  const Vec<BoundedT> unit{normal.x / length, normal.y / length, normal.z / length};
-  hit.normal = rounded(unit);
-  return good(unit);
+  if (map != nullptr) {
+    const auto& [a, b, c] = map->inverse_rows;
+    normal = a * normal.x + b * normal.y + c * normal.z;
+  }
+  const Vec<BoundedT> of_unit_length = unit(normal);
+  hit.normal = rounded(of_unit_length);
+  return good(of_unit_length);
 }
 
-}  // namespace
-
-ReferenceHit exact_hit(const Scene& scene, const Ray& ray, std::uint32_t primitive) {
-  PLUMBLINE_ASSERT(primitive < scene.primitive_count());
-  ReferenceHit hit;
-  hit.primitive = primitive;
-  if (!is_defined(ray)) {
-    hit.kind = HitKind::undefined;
-    return hit;
-  }
-  const Solid solid = solid_of(scene, primitive);
-  // A ball around this primitive alone: the closer the line's point, the less cancels.
+/// A ball around a primitive alone: the closer the line's point, the less cancels.
+Ball ball_around(const Solid& solid) {
   const glm::dvec3 center(solid.corners[0]);
-  const double radius = solid.is_sphere ? static_cast<double>(solid.radius)
-                                        : std::max(glm::length(glm::dvec3(solid.corners[1]) - center),
-                                                   glm::length(glm::dvec3(solid.corners[2]) - center));
-  const Line line = line_near(ray, {center, radius});
-  Filter filter(line);
+  if (solid.is_sphere) return {center, static_cast<double>(solid.radius)};
+  return {center, std::max(glm::length(glm::dvec3(solid.corners[1]) - center),
+                           glm::length(glm::dvec3(solid.corners[2]) - center))};
+}
+
+/// The hit on a solid in the filter's space; its numbers are left for the caller.
+ReferenceHit hit_on(Filter& filter, const Ray& ray, const Line& world, const InstanceMap* map, const Solid& solid) {
+  ReferenceHit hit;
   Root root = Root::enter;
   bool met = true;
   if (solid.is_sphere) {
@@ -79,11 +84,52 @@ ReferenceHit exact_hit(const Scene& scene, const Ray& ray, std::uint32_t primiti
     met = filter.pass_triangle(solid).meets;
   }
   const BoundedT t = filter.t_of(solid, root);
-  met = met && filter.compare_t(solid, root, t, 0.0) > 0 && filter.compare_t(solid, root, t, line.t_max) <= 0;
-  if (!bounded_values(filter, solid, root, hit)) hit = exact_values_at(line, solid, root);
-  hit.primitive = primitive;
+  met = met && filter.compare_t(solid, root, t, 0.0) > 0 && filter.compare_t(solid, root, t, ray.t_max) <= 0;
+  if (!bounded_values(filter, world, map, solid, root, hit)) hit = exact_values_at(filter.exact(), solid, root);
   hit.kind = met ? HitKind::hit : HitKind::miss;
   return hit;
+}
+
+ReferenceHit exact_hit(const Scene& scene, const Ray& ray, const InstanceMap* map, std::uint32_t primitive) {
+  ReferenceHit hit;
+  if (is_defined(ray)) {
+    const Solid solid = solid_of(scene, primitive);
+    const Ball ball = ball_around(solid);
+    if (map == nullptr) {
+      const Line line = line_near(ray, ball);
+      Filter filter(line);
+      hit = hit_on(filter, ray, line, nullptr, solid);
+    } else {
+      const auto& columns = map->to_world.linear;
+      const double stretch = glm::length(columns[0]) + glm::length(columns[1]) + glm::length(columns[2]);
+      const Line world = line_near(ray, {transform_point(map->to_world, ball.center), stretch * ball.radius});
+      const LocalLine local = local_line(ray, *map, ball);
+      Filter filter(local, world, *map);
+      hit = hit_on(filter, ray, world, map, solid);
+    }
+  } else {
+    hit.kind = HitKind::undefined;
+  }
+  hit.primitive = primitive;
+  hit.instance = map == nullptr ? kNone : map->instance;
+  return hit;
+}
+
+}  // namespace
+
+ReferenceHit exact_hit(const Scene& scene, const Ray& ray, std::uint32_t primitive) {
+  return exact_hit(scene, ray, kNone, primitive);
+}
+
+ReferenceHit exact_hit(const Scene& scene, const Ray& ray, std::uint32_t instance, std::uint32_t primitive) {
+  PLUMBLINE_ASSERT(scene.is_placed(instance, primitive));
+  if (instance == kNone) return exact_hit(scene, ray, nullptr, primitive);
+  const InstanceMap map = instance_map(scene, instance);
+  return exact_hit(scene, ray, &map, primitive);
+}
+
+ReferenceHit exact_hit(const Scene& scene, const Ray& ray, const InstanceMap& map, std::uint32_t primitive) {
+  return exact_hit(scene, ray, &map, primitive);
 }
 
 }  // namespace plumbline

@@ -117,7 +117,7 @@ TEST_CASE("Filtered decisions are the exact ones, and seldom need them") {
     if (truth.meets) {
       for (const Root root : {Root::enter, Root::leave}) {
         const BoundedT t = filter.t_of(solid, root);
-        const Real true_t = Real(root == Root::enter ? truth.enter : truth.leave) / line.unit;
+        const Real true_t = Real(root == Root::enter ? truth.enter : truth.leave);
         REQUIRE(abs(Real(t.value) - true_t) <= Real(t.error));
       }
     }
@@ -132,7 +132,7 @@ TEST_CASE("Exact comparisons of t are right without a filter before them") {
   int equal = 0;
   for (int i = 0; i < 150; ++i) {
     const Ray ray = lattice::ray(scene, 8, i);
-    const Line line = line_near(ray, {{0, 0, 0}, 8.0});
+    const ExactLine line(line_near(ray, {{0, 0, 0}, 8.0}));
     struct Meeting {
       Solid solid;
       Root root;
@@ -146,10 +146,10 @@ TEST_CASE("Exact comparisons of t are right without a filter before them") {
       meetings.push_back({solid_of(scene, p), Root::leave, truth.leave});
     }
     for (const Meeting& a : meetings) {
-      REQUIRE(exact_compare_t(line, a.solid, a.root, 0.5 / line.unit) == brute::compare(a.t, Real(0.5)));
+      REQUIRE(exact_compare_t(line, a.solid, a.root, 0.5) == brute::compare(a.t, Real(0.5)));
       for (const Meeting& b : meetings) {
         const int order = brute::compare(a.t, b.t);
-        REQUIRE(exact_compare_t(line, a.solid, a.root, b.solid, b.root) == order);
+        REQUIRE(exact_compare_t(line, a.solid, a.root, line, b.solid, b.root) == order);
         equal += order == 0 && &a != &b;
       }
     }

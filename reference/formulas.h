@@ -5,6 +5,7 @@
 
 #include <array>
 
+#include "reference/bounded.h"
 #include "reference/line.h"
 
 namespace plumbline {
@@ -39,35 +40,60 @@ Vec<N> cross(const Vec<N>& a, const Vec<N>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-/// `v` as seen from the line's point.
+/// A line as numbers of one kind (see Line). Exact lines in an instance's space are multiplied by `scale`, lest they
+/// have to divide.
 template <class N>
-Vec<N> from_line(const Line& line, const glm::vec3& v) {
-  const Vec<N> a = vec<N>(glm::dvec3(v)) - vec<N>(line.point);
-  return line.shift == 0.0 ? a : a - vec<N>(line.rest);
+struct LineOf {
+  Vec<N> point, rest, direction;
+  N scale;
+  bool has_rest = false, has_scale = false;
+
+  /// A point of the line's space as seen from the line's point, times `scale`.
+  Vec<N> see(const glm::vec3& v) const {
+    const Vec<N> a = (has_scale ? vec<N>(glm::dvec3(v)) * scale : vec<N>(glm::dvec3(v))) - point;
+    return has_rest ? a - rest : a;
+  }
+};
+
+/// A line with the error bounds that it comes with.
+template <class T>
+LineOf<Bounded<T>> bounded_line(const Line& line) {
+  const auto known_to = [](const glm::dvec3& v, double error) {
+    using B = Bounded<T>;
+    const T e = static_cast<T>(error);
+    return Vec<B>{B(static_cast<T>(v.x), e), B(static_cast<T>(v.y), e), B(static_cast<T>(v.z), e)};
+  };
+  return {known_to(line.point, line.point_error),
+          known_to(line.rest, 0.0),
+          known_to(line.direction, line.direction_error),
+          Bounded<T>(1.0),
+          line.rest != glm::dvec3(0.0),
+          false};
 }
 
-/// d . (a x b) of the segment's ends a and b: on which side the line passes the segment, as six times a volume.
+/// d . (a x b) of the segment's ends a and b: on which side the line passes the segment, as six times a volume, times
+/// the square of the line's scale.
 template <class N>
-N edge_moment(const Line& line, const glm::vec3& from, const glm::vec3& to) {
+N edge_moment(const LineOf<N>& line, const glm::vec3& from, const glm::vec3& to) {
   const Vec<N> edge = vec<N>(glm::dvec3(to)) - vec<N>(glm::dvec3(from));
-  return dot(cross(vec<N>(line.direction), from_line<N>(line, from)), edge);
+  return dot(cross(line.direction, line.see(from)), edge);
 }
 
 /// The line meets a triangle's plane at s = numerator / determinant.
 template <class N>
 struct PlaneTerms {
-  Vec<N> normal;  ///< (v1 - v0) x (v2 - v0)
-  N numerator, determinant;
+  Vec<N> normal;             ///< (v1 - v0) x (v2 - v0), without the line's scale
+  N numerator, determinant;  ///< times the line's scale
 };
 
 template <class N>
-PlaneTerms<N> plane_terms(const Line& line, const std::array<glm::vec3, 3>& corners) {
+PlaneTerms<N> plane_terms(const LineOf<N>& line, const std::array<glm::vec3, 3>& corners) {
   const Vec<N> v0 = vec<N>(glm::dvec3(corners[0]));
   const Vec<N> normal = cross(vec<N>(glm::dvec3(corners[1])) - v0, vec<N>(glm::dvec3(corners[2])) - v0);
-  return {normal, dot(normal, from_line<N>(line, corners[0])), dot(normal, vec<N>(line.direction))};
+  return {normal, dot(normal, line.see(corners[0])), dot(normal, line.direction)};
 }
 
-/// The line meets a sphere at s = (middle -+ sqrt(discriminant)) / length2.
+/// The line meets a sphere at s = (middle -+ sqrt(discriminant)) / length2. All lengths are times the line's scale.
 template <class N>
 struct SphereTerms {
   Vec<N> center;  ///< seen from the line's point
@@ -77,9 +103,11 @@ struct SphereTerms {
 /// The discriminant by Lagrange's identity, r^2 d.d - |m x d|^2: its sign is that of radius minus distance, and far
 /// less cancels than in (m.d)^2 - d.d (m.m - r^2).
 template <class N>
-SphereTerms<N> sphere_terms(const Line& line, const glm::vec3& center, float radius) {
-  const Vec<N> d = vec<N>(line.direction), m = from_line<N>(line, center), moment = cross(m, d);
-  const N length2 = dot(d, d), r = N(static_cast<double>(radius));
+SphereTerms<N> sphere_terms(const LineOf<N>& line, const glm::vec3& center, float radius) {
+  const Vec<N>& d = line.direction;
+  const Vec<N> m = line.see(center), moment = cross(m, d);
+  const N length2 = dot(d, d), plain = N(static_cast<double>(radius)),
+          r = line.has_scale ? N(plain * line.scale) : plain;
   return {m, length2, dot(m, d), r * r * length2 - dot(moment, moment)};
 }
 

@@ -35,9 +35,9 @@ double nearest_root(const Line& line, const SphereRoots& roots) {
   return line.shift + roots.enter > 0.0 ? roots.enter : roots.leave;
 }
 
-ReferenceHit triangle_values(const Line& line, const std::array<glm::vec3, 3>& corners, double fallback_s) {
+ReferenceHit triangle_values(const Line& line, const std::array<glm::dvec3, 3>& corners, double fallback_s) {
   const glm::dvec3& d = line.direction;
-  const glm::dvec3 v0(corners[0]), v1(corners[1]), v2(corners[2]);
+  const auto& [v0, v1, v2] = corners;
   const glm::dvec3 a0 = (v0 - line.point) - line.rest, a1 = (v1 - line.point) - line.rest,
                    a2 = (v2 - line.point) - line.rest;
   const glm::dvec3 e0 = v1 - v0, e1 = v2 - v1, e2 = v0 - v2;

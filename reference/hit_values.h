@@ -19,10 +19,10 @@ SphereRoots sphere_roots(const Line& line, const glm::dvec3& center, double radi
 /// The root that a ray hits: the first with 0 < t <= t_max; where neither is valid, the one nearest to being so.
 double nearest_root(const Line& line, const SphereRoots& roots);
 
-/// Values of the hit on a triangle (corners in world space). Where rounding puts the point outside the triangle or the
-/// segment, weights are clamped to [0, 1] and t to (0, t_max]; where the ray lies in the triangle's plane, t is
-/// `fallback_s` (as of Line). `primitive` is left for the caller.
-ReferenceHit triangle_values(const Line& line, const std::array<glm::vec3, 3>& corners, double fallback_s);
+/// Values of the hit on a triangle (corners in the line's space, as are position and normal). Where rounding puts the
+/// point outside the triangle or the segment, weights are clamped to [0, 1] and t to (0, t_max]; where the ray lies in
+/// the triangle's plane, t is `fallback_s` (as of Line). `primitive` is left for the caller.
+ReferenceHit triangle_values(const Line& line, const std::array<glm::dvec3, 3>& corners, double fallback_s);
 
 /// Values of the hit on a sphere, by nearest_root. `primitive` is left for the caller.
 ReferenceHit sphere_values(const Line& line, const glm::dvec3& center, double radius);

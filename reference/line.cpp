@@ -14,6 +14,13 @@ double leading_bits(double x) { return std::bit_cast<double>(std::bit_cast<std::
 
 }  // namespace
 
+double shift_near(const glm::dvec3& point, const glm::dvec3& direction, const Ball& ball) {
+  const glm::dvec3 to_center = ball.center - point;
+  if (glm::dot(to_center, to_center) <= 9.0 * ball.radius * ball.radius) return 0.0;
+  const double length_squared = glm::dot(direction, direction);
+  return leading_bits(glm::dot(to_center, direction) / length_squared - 2.0 * ball.radius / std::sqrt(length_squared));
+}
+
 Line line_near(const Ray& ray, const Ball& ball) {
   Line line;
   const glm::dvec3 direction(ray.direction), origin(ray.origin);
@@ -25,11 +32,8 @@ Line line_near(const Ray& ray, const Ball& ball) {
   line.t_max = static_cast<double>(ray.t_max) * std::bit_cast<double>(exponent << 52);
   line.point = origin;
 
-  const glm::dvec3 to_center = ball.center - origin;
-  if (glm::dot(to_center, to_center) <= 9.0 * ball.radius * ball.radius) return line;
-  const double length_squared = glm::dot(line.direction, line.direction);
-  line.shift = leading_bits(glm::dot(to_center, line.direction) / length_squared -
-                            2.0 * ball.radius / std::sqrt(length_squared));
+  line.shift = shift_near(origin, line.direction, ball);
+  if (line.shift == 0.0) return line;
   for (int axis = 0; axis < 3; ++axis) {
     // Knuth's two-sum: a + b = sum + error exactly. The product is exact, see leading_bits.
     const double a = origin[axis], b = line.shift * line.direction[axis];
