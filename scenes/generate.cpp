@@ -87,8 +87,8 @@ Scene load_scene(std::string_view spec) {
     return read_scene(std::filesystem::path(PLUMBLINE_SCENE_FOLDER) / (std::string(spec) + ".json"));
   std::string known;
   for (const std::string& scene : shipped) known += (known.empty() ? "" : ", ") + scene;
-  throw InputError(shown(spec) + ": neither a file nor a scene nor a generator; files end in " + known_endings() +
-                   ", scenes are " + known + ", generators are " + known_generators());
+  throw InputError(shown(spec) + ": neither a file nor a generator nor a scene of ours; files end in " +
+                   known_endings() + ", generators are " + known_generators() + ", scenes are " + known);
 }
 
 std::vector<std::string> shipped_scenes() {

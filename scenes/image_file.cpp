@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "scenes/image_file.h"
 
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "scenes/error.h"
 
@@ -45,15 +47,8 @@ void write_whole(const std::filesystem::path& path, const OIIO::ImageSpec& spec,
   if (failure) fail(failure.message());
 }
 
-}  // namespace
-
-Image read_image(const std::filesystem::path& path) {
-  const std::string name = path.string();
-  std::error_code failure;
-  const auto status = std::filesystem::status(path, failure);
-  if (!std::filesystem::exists(status)) throw InputError(name + ": no such file; check the path");
-  if (!std::filesystem::is_regular_file(status)) throw InputError(name + ": not a plain file; name an image file");
-  const auto input = OIIO::ImageInput::open(name);
+/// The pixels of an image that has been opened, or has not.
+Image read_opened(const std::unique_ptr<OIIO::ImageInput>& input, const std::string& name) {
   if (!input) throw InputError(name + ": not an image that can be read: " + one_line(OIIO::geterror()));
   const OIIO::ImageSpec& spec = input->spec();
   Image image;
@@ -83,6 +78,22 @@ Image read_image(const std::filesystem::path& path) {
     }
   }
   return image;
+}
+
+}  // namespace
+
+Image read_image(const std::filesystem::path& path) {
+  const std::string name = path.string();
+  std::error_code failure;
+  const auto status = std::filesystem::status(path, failure);
+  if (!std::filesystem::exists(status)) throw InputError(name + ": no such file; check the path");
+  if (!std::filesystem::is_regular_file(status)) throw InputError(name + ": not a plain file; name an image file");
+  return read_opened(OIIO::ImageInput::open(name), name);
+}
+
+Image read_image(std::string_view content, const std::string& name) {
+  OIIO::Filesystem::IOMemReader memory(const_cast<char*>(content.data()), content.size());
+  return read_opened(OIIO::ImageInput::open(name, nullptr, &memory), name);
 }
 
 void write_exr(const std::filesystem::path& path, const Image& image) {

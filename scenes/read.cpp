@@ -20,7 +20,11 @@ struct Format {
   Scene (*read)(const std::filesystem::path&, std::string&& content);
   bool is_text = true;
 };
-constexpr std::array<Format, 3> kFormats = {{{".nff", read_nff}, {".obj", read_obj}, {".json", read_scene_file}}};
+constexpr std::array<Format, 5> kFormats = {{{".nff", read_nff},
+                                             {".obj", read_obj},
+                                             {".json", read_scene_file},
+                                             {".gltf", read_gltf},
+                                             {".glb", read_gltf, false}}};
 
 /// A number may be a float and what is built from it too large for one.
 void check_extent(const Scene& scene, const std::string& file) {

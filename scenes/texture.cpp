@@ -8,17 +8,21 @@
 
 namespace plumbline {
 
-std::optional<std::uint32_t> find_texture(Scene& scene, const std::filesystem::path& path, TextureKind kind,
-                                          std::string& problem) {
+namespace {
+
+/// `read` gives the image of a file of that name.
+template <class Read>
+std::optional<std::uint32_t> find_named(Scene& scene, const std::string& file, TextureKind kind, std::string& problem,
+                                        Read read) {
   // One file may serve as a colour and as a height: those differ in their texels, and in the fragment of the name.
-  const std::string name = path.lexically_normal().string() + (kind == TextureKind::height ? "#height" : "");
+  const std::string name = file + (kind == TextureKind::height ? "#height" : "");
   for (std::uint32_t i = 0; i < scene.textures.size(); ++i) {
     if (scene.textures[i].path == name) return i;
   }
   Texture texture;
   texture.path = name;
   try {
-    const Image image = read_image(path);
+    const Image image = read();
     texture.width = image.width;
     texture.height = image.height;
     const std::size_t count = image.pixels.size() / image.channel_count(), channels = image.channel_count();
@@ -30,7 +34,7 @@ std::optional<std::uint32_t> find_texture(Scene& scene, const std::filesystem::p
       glm::vec3 texel = is_grey ? glm::vec3(pixel[0]) : glm::vec3(pixel[0], pixel[1], pixel[2]);
       if (is_encoded) texel = {from_srgb(texel.r), from_srgb(texel.g), from_srgb(texel.b)};
       if (!std::isfinite(texel.r) || !std::isfinite(texel.g) || !std::isfinite(texel.b)) {
-        problem = path.string() + ": texel " + std::to_string(i) + " is not a finite number";
+        problem = file + ": texel " + std::to_string(i) + " is not a finite number";
         return std::nullopt;
       }
       texture.texels.push_back(texel);
@@ -41,6 +45,18 @@ std::optional<std::uint32_t> find_texture(Scene& scene, const std::filesystem::p
   }
   scene.textures.push_back(std::move(texture));
   return static_cast<std::uint32_t>(scene.textures.size() - 1);
+}
+
+}  // namespace
+
+std::optional<std::uint32_t> find_texture(Scene& scene, const std::filesystem::path& path, TextureKind kind,
+                                          std::string& problem) {
+  return find_named(scene, path.lexically_normal().string(), kind, problem, [&] { return read_image(path); });
+}
+
+std::optional<std::uint32_t> find_texture(Scene& scene, const std::string& name, std::string_view content,
+                                          TextureKind kind, std::string& problem) {
+  return find_named(scene, name, kind, problem, [&] { return read_image(content, name); });
 }
 
 }  // namespace plumbline

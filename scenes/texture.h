@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "scenes/scene.h"
 
@@ -19,5 +20,8 @@ enum class TextureKind {
 /// says why in one line.
 std::optional<std::uint32_t> find_texture(Scene& scene, const std::filesystem::path& path, TextureKind kind,
                                           std::string& problem);
+/// The same of an image within another file: `content` of a file of that name, which need not be there.
+std::optional<std::uint32_t> find_texture(Scene& scene, const std::string& name, std::string_view content,
+                                          TextureKind kind, std::string& problem);
 
 }  // namespace plumbline

@@ -34,10 +34,13 @@ class Numbering {
   std::vector<Key> keys_;
 };
 
-std::array<std::uint32_t, 3> position_bits(const glm::vec3& p) {
+/// A position within the world (0) or a part (1 + its number): equal numbers in two spaces are two places.
+using VertexKey = std::array<std::uint32_t, 4>;
+
+VertexKey vertex_key(const glm::vec3& p, std::uint32_t space) {
   // Adding +0 turns -0 into +0 and leaves every other number alone.
   return {std::bit_cast<std::uint32_t>(p.x + 0.0f), std::bit_cast<std::uint32_t>(p.y + 0.0f),
-          std::bit_cast<std::uint32_t>(p.z + 0.0f)};
+          std::bit_cast<std::uint32_t>(p.z + 0.0f), space};
 }
 
 std::uint32_t find_root(std::vector<std::uint32_t>& parent, std::uint32_t i) {
@@ -105,15 +108,18 @@ Topology make_topology(const Scene& scene) {
   const std::size_t side_count = 3 * static_cast<std::size_t>(triangle_count);
 
   // Positions first, each once, then corners: many corners share a position by index already.
-  const auto hash_position = [](const std::array<std::uint32_t, 3>& p) {
-    return mix64((static_cast<std::uint64_t>(p[0]) << 32 | p[1]) ^ mix64(p[2]));
+  const auto hash_vertex = [](const VertexKey& key) {
+    return mix64((static_cast<std::uint64_t>(key[0]) << 32 | key[1]) ^
+                 mix64(static_cast<std::uint64_t>(key[3]) << 32 | key[2]));
   };
-  Numbering<std::array<std::uint32_t, 3>, decltype(hash_position)> vertices(scene.positions.size(), hash_position);
+  Numbering<VertexKey, decltype(hash_vertex)> vertices(scene.positions.size(), hash_vertex);
   std::vector<std::uint32_t> vertex_of(scene.positions.size(), kNone);
   topology.corner.reserve(side_count);
-  for (const Triangle& triangle : scene.triangles) {
-    for (const std::uint32_t p : triangle.position) {
-      if (vertex_of[p] == kNone) vertex_of[p] = vertices.number(position_bits(scene.positions[p]));
+  std::uint32_t space = 0;
+  for (std::uint32_t t = 0; t < triangle_count; ++t) {
+    while (space < scene.parts.size() && t >= scene.parts[space].first_triangle) ++space;
+    for (const std::uint32_t p : scene.triangles[t].position) {
+      if (vertex_of[p] == kNone) vertex_of[p] = vertices.number(vertex_key(scene.positions[p], space));
       topology.corner.push_back(vertex_of[p]);
     }
   }

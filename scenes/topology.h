@@ -11,8 +11,9 @@
 
 namespace plumbline {
 
-/// Corners are the same where their positions are the same numbers, bit for bit, +0 and -0 alike. Edge i of a triangle
-/// runs from its corner i to corner (i + 1) % 3; edge 3 * t + i of all is the "side" of triangle t on an edge.
+/// Corners are the same where their positions are the same numbers, bit for bit, +0 and -0 alike, in one space: those
+/// of different parts never are. Edge i of a triangle runs from its corner i to corner (i + 1) % 3; edge 3 * t + i of
+/// all is the "side" of triangle t on an edge.
 struct Topology {
   std::uint32_t vertex_count = 0;
   std::vector<std::uint32_t> corner;  ///< the vertex of corner 3 * t + i

@@ -131,3 +131,29 @@ TEST_CASE("A closed surface with one side only cannot be oriented") {
   CHECK(topology.component_closed == std::vector<std::uint8_t>{1});
   CHECK(topology.component_orientable == std::vector<std::uint8_t>{0});
 }
+
+TEST_CASE("Parts are surfaces of their own, though their corners have the same numbers") {
+  // Two cubes at the same numbers, one of the world and one a part, and half of a third.
+  Scene scene = generate_scene("cube");
+  const Scene cube = scene;
+  for (const std::uint32_t count : {12u, 6u}) {
+    Part part;
+    part.first_triangle = static_cast<std::uint32_t>(scene.triangles.size());
+    part.triangle_count = count;
+    const auto first = static_cast<std::uint32_t>(scene.positions.size());
+    scene.positions.insert(scene.positions.end(), cube.positions.begin(), cube.positions.end());
+    for (std::uint32_t t = 0; t < count; ++t) {
+      scene.triangles.push_back(cube.triangles[t]);
+      for (std::uint32_t& p : scene.triangles.back().position) p += first;
+    }
+    scene.parts.push_back(part);
+  }
+  const Topology topology = make_topology(scene);
+  CHECK(topology.vertex_count == 24);
+  CHECK(topology.component_count >= 3);
+  for (std::uint32_t t = 0; t < 24; ++t) CHECK(topology.is_closed(t));
+  for (std::uint32_t t = 24; t < 30; ++t) CHECK_FALSE(topology.is_closed(t));
+  CHECK_FALSE(topology.share_a_corner(0, 12));
+  CHECK_FALSE(topology.share_an_edge(12, 24));
+  CHECK(topology.sides(12, 0).size() == 2);
+}
