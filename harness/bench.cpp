@@ -134,7 +134,7 @@ class Bench {
       const auto start = Clock::now();
       for (const RayFamily family : {RayFamily::camera, RayFamily::chords}) {
         generate_rays_parallel(stage.rays, family, static_cast<std::uint64_t>(i), 0, rays);
-        trace_and_judge(stage, session_.probe(stage), stage.embree, rays, 0, 1, buffers, tally);
+        trace_and_judge(stage.judge, session_.probe(stage), stage.embree, rays, 0, 1, buffers, tally);
       }
       shares.push_back(1.0 - buffers.trace_seconds / seconds_since(start));
     }

@@ -39,8 +39,24 @@
 // to zero, in what it reads and in what it computes: a coordinate of the origin or of a corner may be off by 2^-126,
 // seen along the ray and through both by at most kFlush = 2^-123. Products of coordinates are covered by kUnderflow.
 //
-// lateral: |f| is compared with r:  D / r, and 4uM + sqrt... is not needed, for r + |f| >= r:  |r - |f|| <= D / (r +
-// |f|) <= D / r.
+// lateral: |f| is compared with r:  D / r, for r + |f| >= r:  |r - |f|| <= D / (r + |f|) <= D / r.
+//
+// Instances. In the space of an instance the tracer computes all this with a ray whose origin is off by e and whose
+// direction is off by g (placed_ray.cpp; a far ray enters transforms from its moved origin, which is off by 2uN). Its
+// answers are those above of a ray that passes w = e + |t| g beside the exact one, for the t abreast of the primitive.
+//
+// A triangle's corner is displaced by w, seen along the ray by (w.x + |Sx| w.z, w.y + |Sy| w.z), which is added to
+// delta; depths by w.z, added to dz. Where errors leave open which component of d is the largest, the larger bounds of
+// the possible choices hold.
+//
+// A sphere's |f| is off by |w| more, so D is taken at |f| + |w| and grows by 2|f||w| + |w|^2. The foot is off by |w|
+// and by |f||g| / |d|, half the chord by h|g| / |d|: along the ray |w| + (|f| + h)|g| / |d| more. lateral = D / r +
+// |w|, with D of the tracer's own ray.
+//
+// t is the same number in every space; the canonical one, by which the tracer compares, has 2u(|t| + |t of the moved
+// origin|) more. Of the position, errors along the edges are taken to the world with them, others grow by the
+// instance's stretch, and leaving adds its own. The normal's error grows by the stretch of the inverse, over the length
+// of the transposed inverse's image of it.
 #include "harness/bounds.h"
 
 #include <algorithm>
@@ -51,21 +67,22 @@ namespace plumbline {
 namespace {
 
 constexpr double u = 0x1p-24;
-/// What gradual underflow, flushed to zero, may take from one product of scaled coordinates: relative to the scene's
+/// What gradual underflow, flushed to zero, may take from one product of scaled coordinates: relative to the space's
 /// radius squared.
 constexpr double kUnderflow = 0x1p-80;
 
 /// What flushing denormal coordinates to zero may move a point by.
 constexpr double kFlush = 0x1p-123;
 
-/// The tracer moves an origin that is farther than this many radii from the ball's centre.
-constexpr double kNear = 1.999;  ///< it decides in floats: a ray that is near by a hair may have been moved
+/// Keeps what is meant to be smaller smaller, in spite of double rounding.
+constexpr double kLess = 1.0 - 0x1p-40;
 
-bool is_moved(const BoundsContext& c, const Ray& ray) {
-  return !(glm::length(glm::dvec3(ray.origin) - c.ball.center) <= kNear * c.ball.radius);
-}
-/// What the rounding of a moved origin comes to: 4uN.
-double moved_error(const BoundsContext& c) { return 4.0 * u * (glm::length(c.ball.center) + 3.0 * c.ball.radius); }
+constexpr double kRootOf3 = 1.7320508075688774;
+
+double square(double x) { return x * x; }
+
+/// How far the tracer's ray may be from the exact one at this t, component by component.
+glm::dvec3 displacement(const PlacedRay& ray, double t) { return ray.origin_error + std::abs(t) * ray.direction_error; }
 
 /// A triangle as the tracer sees it along the ray, in double.
 struct Seen {
@@ -77,36 +94,47 @@ struct Seen {
   double shortest = 0.0;             ///< shortest edge as seen
   double det = 0.0;                  ///< |U + V + W|
   double z_range = 0.0, z_max = 0.0;
-  double moved = 0.0;  ///< 4uN, or 0
+  double depth = 0.0;  ///< w.z
   double delta = 0.0;
 };
 
-Seen see(const BoundsContext& c, const Ray& ray, std::uint32_t primitive) {
+/// Along which axis z runs: the tracer's choice, between equal components too, since it decides how z and weights share
+/// the error.
+int largest_axis(const glm::dvec3& size) {
+  return size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
+}
+
+Seen see(const BoundsContext& c, const PlacedRay& ray, std::uint32_t primitive, int kz) {
   Seen s;
-  const glm::dvec3 d(ray.direction);
-  // The tracer's choice, between equal components too: along which axis z runs decides how z and weights share the
-  // error.
-  const glm::dvec3 size = glm::abs(d);
-  const int kz = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
+  const glm::dvec3& d = ray.direction;
   const int kx = (kz + 1) % 3, ky = (kz + 2) % 3;
   s.inverse_dz = 1.0 / d[kz];
   const double sx = d[kx] * s.inverse_dz, sy = d[ky] * s.inverse_dz;
   const auto corners = c.scene->corners(primitive);
-  const bool moved = is_moved(c, ray);
   double z_min = 0.0, z_top = 0.0;
   for (int i = 0; i < 3; ++i) {
-    const glm::dvec3 a = glm::dvec3(corners[i]) - glm::dvec3(ray.origin);
+    const glm::dvec3 a = glm::dvec3(corners[i]) - ray.origin;
     s.x[i] = a[kx] - sx * a[kz];
     s.y[i] = a[ky] - sy * a[kz];
     s.z[i] = a[kz];
-    s.reach = std::max(s.reach, glm::length(a));
-    s.extent = std::max(s.extent, std::sqrt(s.x[i] * s.x[i] + s.y[i] * s.y[i]));
+    s.reach = std::max(s.reach, glm::dot(a, a));
+    s.extent = std::max(s.extent, s.x[i] * s.x[i] + s.y[i] * s.y[i]);
     z_min = i ? std::min(z_min, s.z[i]) : s.z[i];
     z_top = i ? std::max(z_top, s.z[i]) : s.z[i];
   }
-  if (moved) s.reach = std::min(s.reach, 4.0 * c.ball.radius);
+  s.reach = std::sqrt(s.reach);
+  s.extent = std::sqrt(s.extent);
   s.z_range = z_top - z_min;
-  s.z_max = moved ? s.reach : std::max(std::abs(z_min), std::abs(z_top));
+  s.z_max = std::max(std::abs(z_min), std::abs(z_top));
+  double input = 0.0;
+  if (!ray.is_exact) {
+    const glm::dvec3 w = displacement(ray, s.z_max * s.inverse_dz);
+    input = std::hypot(w[kx] + std::abs(sx) * w[kz], w[ky] + std::abs(sy) * w[kz]);
+    s.depth = w[kz];
+    s.reach += glm::length(ray.origin_error);
+  }
+  if (s.reach > ray.farthest) s.reach = ray.farthest;
+  if (ray.moved_error > 0.0) s.z_max = s.reach;
   s.shortest = std::numeric_limits<double>::infinity();
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3;
@@ -116,8 +144,7 @@ Seen see(const BoundsContext& c, const Ray& ray, std::uint32_t primitive) {
     s.shortest = std::min(s.shortest, e);
   }
   s.det = std::abs((s.x[1] - s.x[0]) * (s.y[2] - s.y[0]) - (s.y[1] - s.y[0]) * (s.x[2] - s.x[0]));
-  s.moved = moved ? moved_error(c) : 0.0;
-  s.delta = 6.0 * u * s.reach + s.moved + kFlush;
+  s.delta = 6.0 * u * s.reach + ray.moved_error + input + kFlush;
   return s;
 }
 
@@ -125,103 +152,242 @@ double lateral_of(const Seen& s) {
   return s.delta + 2.0 * u * s.extent * s.extent / std::max(s.shortest, 0x1p-9 * s.extent);
 }
 
+/// Calls `use` with the triangle as the tracer may see it: once, unless errors leave the axis open.
+template <class Use>
+void for_each_sight(const BoundsContext& c, const PlacedRay& ray, std::uint32_t primitive, Use use) {
+  const glm::dvec3 size = glm::abs(ray.direction);
+  const int largest = largest_axis(size);
+  use(see(c, ray, primitive, largest));
+  if (ray.is_exact) return;
+  const double least = size[largest] - ray.direction_error[largest];
+  for (int axis = 0; axis < 3; ++axis)
+    if (axis != largest && size[axis] > 0.0 && !(size[axis] + ray.direction_error[axis] < least))
+      use(see(c, ray, primitive, axis));
+}
+
 /// A sphere as the tracer sees it along the ray, in double.
 struct SeenSphere {
-  double reach = 0.0;   ///< M
-  double off = 0.0;     ///< |f|
-  double length = 0.0;  ///< |d|
-  double moved = 0.0;   ///< 4uN, or 0
-  double error = 0.0;   ///< D
+  double reach = 0.0;      ///< M
+  double off = 0.0;        ///< |f|
+  double displaced = 0.0;  ///< |w|
+  double own_error = 0.0;  ///< D of the tracer's own ray
+  double error = 0.0;      ///< D
 };
 
-SeenSphere see_sphere(const BoundsContext& c, const Ray& ray, const Sphere& sphere) {
+SeenSphere see_sphere(const PlacedRay& ray, const Sphere& sphere) {
   SeenSphere s;
-  const glm::dvec3 d(ray.direction), m = glm::dvec3(sphere.center) - glm::dvec3(ray.origin);
-  s.length = glm::length(d);
-  const glm::dvec3 n = d / s.length;
-  s.off = glm::length(m - glm::dot(m, n) * n);
+  const glm::dvec3 m = glm::dvec3(sphere.center) - ray.origin;
+  const glm::dvec3 n = ray.direction / ray.length;
+  const double foot = glm::dot(m, n), r = sphere.radius;
+  s.off = glm::length(m - foot * n);
   s.reach = glm::length(m);
-  if (is_moved(c, ray)) {
-    s.reach = std::min(s.reach, 4.0 * c.ball.radius);
-    s.moved = moved_error(c);
+  if (!ray.is_exact) {
+    s.displaced = glm::length(displacement(ray, (std::abs(foot) + r) / ray.length));
+    s.reach += glm::length(ray.origin_error);
   }
-  const double r = sphere.radius, lateral = 4.0 * u * s.reach + s.moved + kFlush;
-  const double second_order = 14.0 * u * s.reach + s.moved;
-  s.error = 2.0 * s.off * lateral + second_order * second_order + 4.0 * u * s.off * s.off + 3.0 * u * r * r;
+  s.reach = std::min(s.reach, ray.farthest);
+  const double lateral = 4.0 * u * s.reach + ray.moved_error + kFlush, off = s.off + s.displaced;
+  const double second_order = 14.0 * u * s.reach + ray.moved_error;
+  s.own_error = 2.0 * off * lateral + second_order * second_order + 4.0 * u * off * off + 3.0 * u * r * r;
+  s.error = s.own_error + 2.0 * s.off * s.displaced + s.displaced * s.displaced;
   return s;
+}
+
+double lateral_of(const SeenSphere& s, double radius) { return s.own_error / radius + s.displaced; }
+
+/// An upper bound of lateral_of over all primitives of a space, for origins that are `reach` from what they are
+/// compared with (after moving), and a ray displaced by at most `displaced`.
+double lateral_within(const SpaceExtent& space, double reach, double moved, double displaced) {
+  reach += kFlush / u;
+  // Triangles: as seen along the ray the extent is at most sqrt(3) times the longest edge and the bound, and so is the
+  // displacement; the term for zeros is at most 2^10 uL.
+  const double triangles = 6.0 * u * reach + moved + kRootOf3 * displaced + 0x1p10 * u * 2.0 * space.longest_edge;
+  // Spheres: see_sphere with |f| about r.
+  const double r = space.smallest_radius;
+  const double spheres = r > 0.0
+                             ? displaced + (24.0 * u * reach + 2.0 * moved) * (1.0 + 2.0 * displaced / r) +
+                                   8.0 * u * displaced * (1.0 + displaced / r) + square(18.0 * u * reach + moved) / r
+                             : 0.0;
+  return std::max(space.longest_edge > 0.0 ? triangles : 0.0, spheres);
+}
+
+void include_triangle(const Scene& scene, std::uint32_t triangle, SpaceExtent& space) {
+  const auto v = scene.corners(triangle);
+  for (int i = 0; i < 3; ++i)
+    space.longest_edge = std::max(space.longest_edge, glm::length(glm::dvec3(v[(i + 1) % 3]) - glm::dvec3(v[i])));
+}
+
+void include_sphere(const Sphere& sphere, SpaceExtent& space) {
+  const double r = sphere.radius;
+  space.largest_radius = std::max(space.largest_radius, r);
+  space.smallest_radius = space.smallest_radius > 0.0 ? std::min(space.smallest_radius, r) : r;
+}
+
+/// Takes bounds that hold in an instance's space to the world. `position` and `normal` are the exact ones, local.
+void leave(const BoundsContext& c, const PlacedRay& ray, const glm::dvec3& position, const glm::dvec3& normal, double t,
+           ValueBounds& b) {
+  const LeavingErrors leaving = leaving_errors(c.spaces, *c.scene, ray.instance, position, normal);
+  b.t += 2.0 * u * (std::abs(t) + std::abs(ray.t_origin)) + ray.t_rounding;
+  b.position += leaving.position;
+  const double share =
+      (c.spaces.instances[ray.instance].inverse_stretch * b.normal + leaving.normal) / leaving.normal_world_length +
+      4.0 * u;
+  b.normal = share < 1.0 ? std::min(2.0, share / (1.0 - 0.5 * share)) : 2.0;
+}
+
+ValueBounds sphere_bounds(const BoundsContext& c, const PlacedRay& ray, const Sphere& sphere, double t) {
+  ValueBounds b;
+  const SeenSphere s = see_sphere(ray, sphere);
+  const double r = sphere.radius;
+  const double h = std::sqrt(std::max(0.0, r * r - s.off * s.off));
+  const double turned = ray.is_exact ? 0.0 : (s.off + h) * glm::length(ray.direction_error) / ray.length;
+  const double dh = (h > 0.0 ? std::min(s.error / h, std::sqrt(s.error)) : std::sqrt(s.error)) + 2.0 * u * h;
+  const double along = 12.0 * u * s.reach + ray.moved_error + s.displaced + turned + dh + kFlush;
+  const double across = 4.0 * u * s.reach + ray.moved_error + s.displaced;
+  const double largest = glm::length(glm::dvec3(sphere.center)) + r;
+  b.t = (along + 4.0 * u * std::abs(t) * ray.length) / ray.length;
+  b.position = along + across + 2.0 * u * largest;
+  b.normal = std::min(2.0, b.position / r + 4.0 * u);
+  if (ray.instance == kNone) return b;
+  b.position *= c.spaces.instances[ray.instance].stretch;
+  const glm::dvec3 position = ray.origin + (t - ray.t_origin) * ray.direction;
+  leave(c, ray, position, glm::normalize(position - glm::dvec3(sphere.center)), t, b);
+  return b;
+}
+
+ValueBounds triangle_bounds(const BoundsContext& c, const PlacedRay& ray, std::uint32_t primitive, double t) {
+  ValueBounds b;
+  const auto v = c.scene->corners(primitive);
+  const glm::dvec3 e1 = glm::dvec3(v[1]) - glm::dvec3(v[0]), e2 = glm::dvec3(v[2]) - glm::dvec3(v[0]);
+  const double l1 = glm::length(e1), l2 = glm::length(e2);
+  const double largest =
+      std::max({glm::length(glm::dvec3(v[0])), glm::length(glm::dvec3(v[1])), glm::length(glm::dvec3(v[2]))});
+  const PlacedSpace* place = ray.instance == kNone ? nullptr : &c.spaces.instances[ray.instance];
+  // The edges in the world, along which errors of the weights move the position.
+  const glm::dvec3 f1 = place ? place->to_world.linear * e1 : e1, f2 = place ? place->to_world.linear * e2 : e2;
+  const double w_l1 = place ? glm::length(f1) : l1, w_l2 = place ? glm::length(f2) : l2;
+  const double longest = std::max({w_l1, w_l2, glm::length(f2 - f1)});
+  const double stretch = place ? place->stretch : 1.0, radius = c.extent_of(ray.instance).ball.radius;
+  for_each_sight(c, ray, primitive, [&](const Seen& s) {
+    const double rho =
+        std::min(4.0 * u * s.extent * s.extent / s.det, 0x1p11 * u) + 6.0 * u + kUnderflow * radius * radius / s.det;
+    const auto weight = [&](int i) {
+      return std::min(1.0, s.delta * s.opposite[i] / s.det + rho);
+    };  // det may be 0: then 1
+    const double w0 = weight(0), w1 = weight(1), w2 = weight(2);
+    b.barycentrics = std::max({b.barycentrics, w0, w1, w2});
+    const double dz = std::min(w1 * std::abs(s.z[1] - s.z[0]) + w2 * std::abs(s.z[2] - s.z[0]), s.z_range) +
+                      10.0 * u * s.z_max + ray.moved_error + s.depth + kFlush;
+    b.t = std::max(b.t, dz * std::abs(s.inverse_dz) + 4.0 * u * std::abs(t));
+    b.position =
+        std::max(b.position, std::min(w1 * w_l1 + w2 * w_l2, longest) +
+                                 stretch * (12.0 * u * largest + 2.0 * u * s.reach + ray.moved_error + kFlush));
+  });
+  const glm::dvec3 normal = glm::cross(e1, e2);
+  const double cross = glm::length(normal);
+  b.normal = cross > 0.0 ? std::min(2.0, 8.0 * u * l1 * l2 / cross + 4.0 * u) : 2.0;
+  if (!place || !(cross > 0.0)) return b;
+  leave(c, ray, ray.origin + (t - ray.t_origin) * ray.direction, normal / cross, t, b);
+  return b;
 }
 
 }  // namespace
 
 BoundsContext make_bounds_context(const Scene& scene) {
-  BoundsContext c{&scene, bounding_ball(scene)};
-  for (std::uint32_t p = 0; p < scene.triangles.size(); ++p) {
-    const auto v = scene.corners(p);
-    for (int i = 0; i < 3; ++i)
-      c.longest_edge = std::max(c.longest_edge, glm::length(glm::dvec3(v[(i + 1) % 3]) - glm::dvec3(v[i])));
+  BoundsContext c;
+  c.scene = &scene;
+  c.world.ball = bounding_ball(scene);
+  for (std::uint32_t p = 0; p < scene.world_triangle_count(); ++p) include_triangle(scene, p, c.world);
+  for (std::uint32_t i = 0; i < scene.world_sphere_count(); ++i) include_sphere(scene.spheres[i], c.world);
+  for (const Part& part : scene.parts) {
+    SpaceExtent& space = c.parts.emplace_back();
+    space.ball = bounding_ball(scene, part);
+    for (std::uint32_t i = 0; i < part.triangle_count; ++i) include_triangle(scene, part.first_triangle + i, space);
+    for (std::uint32_t i = 0; i < part.sphere_count; ++i) include_sphere(scene.spheres[part.first_sphere + i], space);
   }
-  for (const Sphere& s : scene.spheres) c.largest_radius = std::max<double>(c.largest_radius, s.radius);
-  for (const Sphere& s : scene.spheres)
-    c.smallest_radius = c.smallest_radius > 0.0 ? std::min<double>(c.smallest_radius, s.radius) : s.radius;
+  std::vector<Ball> balls;
+  for (const SpaceExtent& part : c.parts) balls.push_back(part.ball);
+  c.spaces = make_placed_spaces(scene, balls);
+  c.longest_edge = c.world.longest_edge;
+  c.largest_radius = c.world.largest_radius;
+  for (std::uint32_t n = 0; n < scene.nodes.size(); ++n) {
+    if (scene.nodes[n].part == kNone) continue;
+    const SpaceExtent& space = c.parts[scene.nodes[n].part];
+    const double stretch = c.spaces.instances[n].stretch;
+    c.longest_edge = std::max(c.longest_edge, stretch * space.longest_edge);
+    c.largest_radius = std::max(c.largest_radius, stretch * space.largest_radius);
+    const double rounding = lateral_within(space, 4.0 * space.ball.radius, moved_error(space.ball), 0.0);
+    c.local_rounding = std::max(c.local_rounding, stretch * rounding);
+    if (!(space.smallest_radius > 0.0)) continue;
+    c.local_amplified = std::max(c.local_amplified, 2.0 * rounding / space.smallest_radius);
+    c.least_radius = std::min(c.least_radius, stretch * space.smallest_radius);
+  }
   return c;
 }
 
-ValueBounds value_bounds(const BoundsContext& c, const Ray& ray, std::uint32_t primitive, double t) {
+PlacedRay place_ray(const BoundsContext& c, const Ray& ray, std::uint32_t instance, std::uint32_t left) {
+  return place_ray(c.spaces, *c.scene, c.world.ball, ray, instance, left);
+}
+
+ValueBounds value_bounds(const BoundsContext& c, const PlacedRay& ray, std::uint32_t primitive, double t) {
+  return c.scene->is_triangle(primitive) ? triangle_bounds(c, ray, primitive, t)
+                                         : sphere_bounds(c, ray, c.scene->sphere(primitive), t);
+}
+
+ValueBounds least_value_bounds(const BoundsContext& c, const PlacedRay& ray, std::uint32_t primitive, double t) {
   ValueBounds b;
-  if (!c.scene->is_triangle(primitive)) {
-    const Sphere& sphere = c.scene->sphere(primitive);
-    const SeenSphere s = see_sphere(c, ray, sphere);
-    const double r = sphere.radius;
-    const double h = std::sqrt(std::max(0.0, r * r - s.off * s.off));
-    const double dh = (h > 0.0 ? std::min(s.error / h, std::sqrt(s.error)) : std::sqrt(s.error)) + 2.0 * u * h;
-    const double along = 12.0 * u * s.reach + s.moved + dh + kFlush;
-    const double largest = glm::length(glm::dvec3(sphere.center)) + r;
-    b.t = (along + 4.0 * u * std::abs(t) * s.length) / s.length;
-    b.position = along + 4.0 * u * s.reach + s.moved + 2.0 * u * largest;
-    b.normal = std::min(2.0, b.position / r + 4.0 * u);
+  if (ray.instance != kNone || ray.moved_error > 0.0) return b;
+  // Each is a part of the bound, with M >= |t d| for triangles (the hit lies between the corners), z likewise, and
+  // every height at most sqrt(3) times the longest edge.
+  const double way = std::abs(t) * ray.length;
+  if (c.scene->is_triangle(primitive)) {
+    b.t = 14.0 * u * std::abs(t) * kLess;
+    b.position = 2.0 * u * way * kLess;
+    b.normal = 12.0 * u * kLess;
+    b.barycentrics = (6.0 * u * way / (kRootOf3 * c.longest_edge) + 6.0 * u) * kLess;
+    b.barycentrics = std::min(b.barycentrics, kLess);
     return b;
   }
-  const Seen s = see(c, ray, primitive);
-  const auto v = c.scene->corners(primitive);
-  const glm::dvec3 e1 = glm::dvec3(v[1]) - glm::dvec3(v[0]), e2 = glm::dvec3(v[2]) - glm::dvec3(v[0]);
-  const double l1 = glm::length(e1), l2 = glm::length(e2), l3 = glm::length(e2 - e1);
-  const double longest = std::max({l1, l2, l3});
-  const double largest =
-      std::max({glm::length(glm::dvec3(v[0])), glm::length(glm::dvec3(v[1])), glm::length(glm::dvec3(v[2]))});
-  const double rho = std::min(4.0 * u * s.extent * s.extent / s.det, 0x1p11 * u) + 6.0 * u +
-                     kUnderflow * c.ball.radius * c.ball.radius / s.det;
-  const auto weight = [&](int i) {
-    return std::min(1.0, s.delta * s.opposite[i] / s.det + rho);
-  };  // det may be 0: then 1
-  const double w0 = weight(0), w1 = weight(1), w2 = weight(2);
-  b.barycentrics = std::max({w0, w1, w2});
-  const double dz = std::min(w1 * std::abs(s.z[1] - s.z[0]) + w2 * std::abs(s.z[2] - s.z[0]), s.z_range) +
-                    10.0 * u * s.z_max + s.moved + kFlush;
-  b.t = dz * std::abs(s.inverse_dz) + 4.0 * u * std::abs(t);
-  b.position = std::min(w1 * l1 + w2 * l2, longest) + 12.0 * u * largest + 2.0 * u * s.reach + s.moved + kFlush;
-  const double cross = glm::length(glm::cross(e1, e2));
-  b.normal = cross > 0.0 ? std::min(2.0, 8.0 * u * l1 * l2 / cross + 4.0 * u) : 2.0;
+  const Sphere& sphere = c.scene->sphere(primitive);
+  const double reach = glm::length(glm::dvec3(sphere.center) - ray.origin);
+  b.t = (12.0 * u * reach / ray.length + 4.0 * u * std::abs(t)) * kLess;
+  b.position = 16.0 * u * reach * kLess;
+  b.normal = std::min(2.0, 16.0 * u * reach / sphere.radius + 4.0 * u) * kLess;
   return b;
 }
 
-double lateral_bound(const BoundsContext& c, const Ray& ray, std::uint32_t primitive) {
-  if (c.scene->is_triangle(primitive)) return lateral_of(see(c, ray, primitive));
-  const Sphere& sphere = c.scene->sphere(primitive);
-  return see_sphere(c, ray, sphere).error / sphere.radius;
+double lateral_bound(const BoundsContext& c, const PlacedRay& ray, std::uint32_t primitive) {
+  if (!c.scene->is_triangle(primitive)) {
+    const Sphere& sphere = c.scene->sphere(primitive);
+    return lateral_of(see_sphere(ray, sphere), sphere.radius);
+  }
+  double lateral = 0.0;
+  for_each_sight(c, ray, primitive, [&](const Seen& s) { lateral = std::max(lateral, lateral_of(s)); });
+  return lateral;
 }
 
-double lateral_bound_of_scene(const BoundsContext& c, const Ray& ray) {
-  const double distance = glm::length(glm::dvec3(ray.origin) - c.ball.center) + c.ball.radius;
-  const double reach = std::min(distance, 4.0 * c.ball.radius) + kFlush / u;
-  // Triangles: as seen along the ray the extent is at most sqrt(3) times the longest edge and the bound; the term for
-  // zeros is at most 2^10 uL.
-  const double moved = is_moved(c, ray) ? moved_error(c) : 0.0;
-  const double triangles = 6.0 * u * reach + moved + 0x1p10 * u * 2.0 * c.longest_edge;
-  // Spheres: see_sphere with |f| about r.
-  const double spheres = c.smallest_radius > 0.0 ? 24.0 * u * reach + 2.0 * moved +
-                                                       std::pow(18.0 * u * reach + moved, 2) / c.smallest_radius
-                                                 : 0.0;
-  return std::max(triangles, spheres);
+double lateral_bound_of_space(const BoundsContext& c, const PlacedRay& ray) {
+  const SpaceExtent& space = c.extent_of(ray.instance);
+  const double distance = glm::length(ray.origin - space.ball.center) + space.ball.radius;
+  const double reach = std::min(distance + glm::length(ray.origin_error), 4.0 * space.ball.radius);
+  // t abreast of anything in the ball, along the largest component.
+  const double displaced = ray.is_exact ? 0.0 : glm::length(displacement(ray, kRootOf3 * distance / ray.length));
+  return lateral_within(space, reach, ray.moved_error, displaced);
+}
+
+double lateral_bound_of_scene(const BoundsContext& c, const Ray& ray, std::uint32_t left) {
+  const PlacedRay world = place_ray(c, ray, kNone, left);
+  const double bound = lateral_bound_of_space(c, world);
+  if (c.spaces.instances.empty()) return bound;
+  // A corner that the ray comes near lies at most an edge aside of it, so t abreast of it is at most this far.
+  const Ball& ball = c.world.ball;
+  const double start = std::min(glm::length(world.origin - ball.center), 3.0 * ball.radius);  // far rays are moved
+  const double distance = start + ball.radius + 4.0 * c.longest_edge + 4.0 * c.largest_radius;
+  const double entering =
+      c.spaces.entering_scale * (glm::length(ball.center) + start + distance) + c.spaces.entering_offset +
+      c.spaces.carried * (moved_error(ball) + glm::length(displacement(world, distance / world.length)));
+  return std::max(
+      bound, entering * (2.0 + c.local_amplified + 8.0 * u * (1.0 + entering / c.least_radius)) + c.local_rounding);
 }
 
 }  // namespace plumbline

@@ -88,13 +88,14 @@ Ray aimed_ray(const Scene& scene, std::uint64_t index) {
 struct Outcome {
   std::uint64_t hits = 0;      ///< with exact values to compare with
   std::uint64_t outside = 0;   ///< hits with a value outside its bound
+  std::uint64_t above = 0;     ///< hits with a value of least_value_bounds above that of value_bounds
   double worst = 0.0;          ///< largest error over its bound
   std::vector<double> ratios;  ///< a sample: the error of t over its bound
   std::vector<double> sizes;   ///< the same sample: the bound of t over the distance
 };
 
 Outcome combine(Outcome a, const Outcome& b) {
-  a.hits += b.hits, a.outside += b.outside;
+  a.hits += b.hits, a.outside += b.outside, a.above += b.above;
   a.worst = std::max(a.worst, b.worst);
   a.ratios.insert(a.ratios.end(), b.ratios.begin(), b.ratios.end());
   a.sizes.insert(a.sizes.end(), b.sizes.begin(), b.sizes.end());
@@ -103,8 +104,9 @@ Outcome combine(Outcome a, const Outcome& b) {
 
 /// How far away the hit is, in units of t: what errors of t are relative to.
 double distance_scale(const BoundsContext& context, const Ray& ray, double t) {
-  const double reach = std::min(glm::length(glm::dvec3(ray.origin) - context.ball.center), 2.0 * context.ball.radius) +
-                       context.ball.radius;
+  const double reach =
+      std::min(glm::length(glm::dvec3(ray.origin) - context.world.ball.center), 2.0 * context.world.ball.radius) +
+      context.world.ball.radius;
   return reach / glm::length(glm::dvec3(ray.direction)) + std::abs(t);
 }
 
@@ -125,9 +127,13 @@ Outcome examine(const Scene& scene, std::size_t count) {
         [&](const auto& r, Outcome o) {
           for (std::size_t i = r.begin(); i != r.end(); ++i) {
             if (hits[i].kind != HitKind::hit) continue;
-            const ReferenceHit truth = exact_hit(stage.scene, rays[i], hits[i].primitive);
+            const ReferenceHit truth = exact_hit(stage.scene, rays[i], hits[i].instance, hits[i].primitive);
             if (truth.kind != HitKind::hit) continue;  // grazing: judged by its margin, not by its values
-            const ValueBounds b = value_bounds(stage.judge.bounds, rays[i], hits[i].primitive, truth.t);
+            const PlacedRay placed = place_ray(stage.judge.bounds, rays[i], hits[i].instance);
+            const ValueBounds b = value_bounds(stage.judge.bounds, placed, hits[i].primitive, truth.t);
+            const ValueBounds least = least_value_bounds(stage.judge.bounds, placed, hits[i].primitive, truth.t);
+            o.above += !(least.t <= b.t && least.position <= b.position && least.normal <= b.normal &&
+                         least.barycentrics <= b.barycentrics);
             const double dt = std::abs(hits[i].t - truth.t);
             const glm::dvec2 dw = glm::abs(glm::dvec2(hits[i].barycentrics) - truth.barycentrics);
             const bool numbers = std::isfinite(hits[i].t) && glm::length(hits[i].position) < 1e30f &&
@@ -165,6 +171,7 @@ void check_bounds(const Scene& scene, std::size_t count) {
                   << " * 2^-24 of the distance, an error of 64 times that is outside the bound of " << 100.0 * caught
                   << " % of the hits");
   CHECK(o.outside == 0);
+  CHECK(o.above == 0);
   // Not slack: the worst of so many hits comes near its bound; and an error of 64 times the typical bound is seen on
   // nearly all hits, half of them grazing.
   CHECK(o.worst > 1.0 / 16.0);

@@ -37,13 +37,24 @@ bool selects(const std::string& pattern, const std::string& name) {
 
 std::vector<Case> make_catalogue(const CatalogueOptions& options) {
   std::vector<Case> cases = driver_cases();
+  const auto add = [&](std::vector<Case> more) {
+    for (Case& c : more) cases.push_back(std::move(c));
+  };
   for (const ListedScene& scene : options.scenes) {
-    for (Case& c : hit_cases(scene, options.hits_rays)) cases.push_back(std::move(c));
+    add(scene.has_nodes ? transform_cases(scene, options.transform_rays, options.variant_rays)
+                        : hit_cases(scene, options.hits_rays));
     cases.push_back(picture_case(scene));
-    if (scene.has_spheres) cases.push_back(embree_spheres_case(scene, options.hits_rays));
+    if (scene.has_spheres && !scene.has_nodes) cases.push_back(embree_spheres_case(scene, options.hits_rays));
     cases.push_back(brute_force_case(scene, options.brute_force_tests));
     cases.push_back(variants_case(scene, options.variant_rays));
     cases.push_back(bake_file_case(scene));
+    // These put other scenes on the stage, so they come last.
+    if (scene.moves) cases.push_back(frames_case(scene, options.moved_rays));
+    if (scene.has_nodes) cases.push_back(updates_case(scene, options.moved_rays));
+  }
+  if (options.whole) {
+    cases.push_back(drift_case());
+    cases.push_back(bunnies_case(options.moved_rays));
   }
   return cases;
 }

@@ -24,7 +24,7 @@ struct CaseContext {
 
 struct Case {
   std::string name;        ///< dotted and stable: "hits.aimed_edges.creature"
-  std::string feature;     ///< "hits", "driver", "layers", "variants", "bake"
+  std::string feature;     ///< "hits", "driver", "layers", "variants", "bake", "transforms"
   std::string scene;       ///< name, or empty
   std::string spec;        ///< what loads the scene, or empty
   std::string family;      ///< of rays, or empty
@@ -36,9 +36,12 @@ struct Case {
 };
 
 struct CatalogueOptions {
-  std::vector<ListedScene> scenes;       ///< whose hits are compared
-  std::uint64_t hits_rays = 1 << 14;     ///< per family and scene
-  std::uint64_t variant_rays = 1 << 11;  ///< per family, variant and scene
+  std::vector<ListedScene> scenes;         ///< whose hits are compared
+  std::uint64_t hits_rays = 1 << 14;       ///< per family and scene
+  std::uint64_t variant_rays = 1 << 11;    ///< per family, variant and scene
+  std::uint64_t transform_rays = 1 << 14;  ///< per family, way out of a transform, and scene of instances
+  std::uint64_t moved_rays = 1 << 9;       ///< per family and frame, and after updates
+  bool whole = false;                      ///< the cases that have scenes of their own, too
   std::uint64_t brute_force_tests =
       40'000'000;  ///< primitive tests per scene in the brute-force layer, spread over all families
 };
@@ -61,5 +64,10 @@ Case brute_force_case(const ListedScene& scene, std::uint64_t tests);
 Case variants_case(const ListedScene& scene, std::uint64_t rays);
 Case bake_file_case(const ListedScene& scene);
 Case embree_spheres_case(const ListedScene& scene, std::uint64_t rays);
+std::vector<Case> transform_cases(const ListedScene& scene, std::uint64_t rays, std::uint64_t truth_rays);
+Case frames_case(const ListedScene& scene, std::uint64_t rays);
+Case updates_case(const ListedScene& scene, std::uint64_t rays);
+Case drift_case();
+Case bunnies_case(std::uint64_t rays);
 
 }  // namespace plumbline

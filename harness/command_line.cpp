@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <cstdio>
 #include <ctime>
 #include <exception>
@@ -61,6 +62,20 @@ double parse_duration(const std::string& text) {
   return value * scale;
 }
 
+/// Seconds of an animation.
+double parse_time(const std::string& text) {
+  std::size_t used = 0;
+  double value = std::numeric_limits<double>::quiet_NaN();
+  try {
+    value = std::stod(text, &used);
+  } catch (const std::exception&) {
+    used = 0;
+  }
+  if (used == 0 || used != text.size() || !std::isfinite(value))
+    throw InputError("--time takes seconds, such as 0.5; it is '" + text + "'");
+  return value;
+}
+
 /// "2/5": the second of five.
 void parse_shard(const std::string& text, RunOptions& options) {
   int used = 0;
@@ -81,6 +96,7 @@ std::uint64_t seed_of_today() {
 std::vector<ListedScene> every_scene() {
   std::vector<ListedScene> scenes = own_scenes();
   for (ListedScene& s : real_scenes()) scenes.push_back(std::move(s));
+  for (ListedScene& s : placed_scenes()) scenes.push_back(std::move(s));
   return scenes;
 }
 
@@ -93,24 +109,34 @@ std::string joined(int argc, char** argv) {
 /// What the subcommands share.
 struct Arguments {
   std::vector<std::string> patterns;
-  std::string scene, shard, budget, ray, pixel, json, history, image;
+  std::string scene, shard, budget, ray, pixel, time, json, history, image;
   std::string out = "out";
   std::uint64_t seed = 1, rays = 0;
   bool resume = false, quick = false;
   int rounds = 7;
 };
 
-/// The catalogue over `scenes` with `rays` per family and scene, or as many as make `total` in all.
+/// The catalogue over `scenes` with `rays` per family and scene, or as many as make `total` in all on scenes without
+/// transforms.
 CatalogueOptions catalogue_options(std::vector<ListedScene> scenes, std::uint64_t rays, std::uint64_t total) {
   CatalogueOptions options;
+  const auto plain = static_cast<std::uint64_t>(
+      std::count_if(scenes.begin(), scenes.end(), [](const ListedScene& s) { return !s.has_nodes; }));
+  if (rays > 0) options.hits_rays = options.transform_rays = rays;
+  if (rays == 0 && total > 0) options.hits_rays = total / (plain * ray_families().size()) + 1;
   options.scenes = std::move(scenes);
-  if (rays == 0 && total > 0) rays = total / (options.scenes.size() * ray_families().size()) + 1;
-  if (rays > 0) options.hits_rays = rays;
+  return options;
+}
+
+/// Of all scenes that are there.
+CatalogueOptions whole_catalogue(std::uint64_t rays, std::uint64_t total) {
+  CatalogueOptions options = catalogue_options(every_scene(), rays, total);
+  options.whole = true;
   return options;
 }
 
 int list_cases(const Arguments& a) {
-  for (const Case& c : select_cases(make_catalogue(catalogue_options(every_scene(), a.rays, 0)), a.patterns))
+  for (const Case& c : select_cases(make_catalogue(whole_catalogue(a.rays, 0)), a.patterns))
     std::printf("%-44s %-10s %s\n", c.name.c_str(), c.feature.c_str(), c.proves.c_str());
   return 0;
 }
@@ -130,8 +156,9 @@ int check(const Arguments& a, RunOptions options) {
   arguments.history = "none";
   const Scene scene = load_scene(a.scene);
   for (const std::string& warning : scene.warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
-  if (scene.primitive_count() == 0) throw InputError(a.scene + ": nothing to trace in this scene");
-  const ListedScene listed{name_part(scene.name), a.scene, false, !scene.spheres.empty()};
+  if (placed_count(scene) == 0) throw InputError(a.scene + ": nothing to trace in this scene");
+  const ListedScene listed{name_part(scene.name),   a.scene, false, !scene.spheres.empty(), !scene.nodes.empty(),
+                           !scene.animation.empty()};
   options.replay = "./plumbline check " + quoted(a.scene);
   return run(arguments, options, catalogue_options({listed}, a.rays ? a.rays : 1 << 16, 0));
 }
@@ -139,7 +166,8 @@ int check(const Arguments& a, RunOptions options) {
 int explain_ray(const Arguments& a) {
   Session session;
   Scene scene = load_scene(a.scene);
-  if (scene.primitive_count() == 0) throw InputError(a.scene + ": nothing to trace in this scene");
+  if (placed_count(scene) == 0) throw InputError(a.scene + ": nothing to trace in this scene");
+  if (!a.time.empty()) set_time(scene, parse_time(a.time));
   const Ray ray = a.ray.empty() ? pixel_ray(scene, a.pixel) : parse_ray(a.ray);
   const Stage& stage = session.stage(a.scene, std::move(scene));
   const Explanation e = explain(session, stage, ray);
@@ -206,7 +234,8 @@ int dispatch(int argc, char** argv) {
   app.require_subcommand(1);
   app.footer(
       "Exit status: 0 all passed, 1 a case failed, 2 wrong usage or input, 3 wrong environment.\n"
-      "A SCENE is a file (.nff, .obj) or a generator such as sphereflake:4.");
+      "A SCENE is a file (.json, .gltf, .glb, .nff, .obj), a scene that comes with Plumbline such as nested, or a "
+      "generator such as sphereflake:4.");
   const auto add_run_options = [&](CLI::App* sub) {
     sub->add_option("--out", a.out, "Folder for the report")->capture_default_str();
     sub->add_option("--rays", a.rays, "Rays for each family and scene")
@@ -246,6 +275,7 @@ int dispatch(int argc, char** argv) {
       "--ray", a.ray, "OX,OY,OZ,DX,DY,DZ[,TMAX]; decimal or hex floats; write --ray=... where it begins with a minus");
   explain_sub->add_option("--pixel", a.pixel, "X,Y: the ray through the centre of a pixel; 0,0 is the top left")
       ->excludes(ray_option);
+  explain_sub->add_option("--time", a.time, "Seconds: where the scene's animation stands; as at rest if not given");
 
   CLI::App* bake_sub = app.add_subcommand("bake", "Write a scene's geometry image as OpenEXR");
   bake_sub->add_option("SCENE", a.scene, "Scene file or generator")->required();
@@ -282,12 +312,12 @@ int dispatch(int argc, char** argv) {
   if (a.history.empty()) a.history = (std::filesystem::path(a.out).parent_path() / "plumbline-history.sqlite").string();
   if (*nightly) {
     if (nightly_seed->count() == 0) a.seed = seed_of_today();
-    return run(a, options, catalogue_options(every_scene(), a.rays, kNightlyRays));
+    return run(a, options, whole_catalogue(a.rays, kNightlyRays));
   }
   if (*list) return list_cases(a);
   if (*run_sub) {
     if (run_sub->get_option("--history")->count() == 0) a.history = "none";
-    return run(a, options, catalogue_options(every_scene(), a.rays, 0));
+    return run(a, options, whole_catalogue(a.rays, 0));
   }
   if (*check_sub) return check(a, options);
   if (*explain_sub) {

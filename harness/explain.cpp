@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "harness/explain.h"
 
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 
+#include "harness/exact_view.h"
 #include "harness/hit_cases.h"
 #include "scenes/camera.h"
 #include "scenes/error.h"
@@ -57,6 +59,8 @@ Ray pixel_ray(const Scene& scene, const std::string& text) {
   const std::vector<float> v = parse_floats(text, "--pixel");
   if (v.size() != 2) throw InputError("--pixel takes two numbers, X,Y");
   const Camera& c = scene.camera;
+  if (v[0] != std::floor(v[0]) || v[1] != std::floor(v[1]))
+    throw InputError("--pixel takes whole numbers, X,Y; they are '" + text + "'");
   if (!(v[0] >= 0.0f && v[0] < static_cast<float>(c.width) && v[1] >= 0.0f && v[1] < static_cast<float>(c.height)))
     throw InputError("--pixel " + text + " is outside the picture of " + std::to_string(c.width) + " x " +
                      std::to_string(c.height) + " pixels");
@@ -76,27 +80,30 @@ Explanation explain(Session& session, const Stage& stage, const Ray& ray) {
   std::string& t = e.text;
   print(t, "scene        %s, %zu triangles, %zu spheres\n", stage.scene.name.c_str(), stage.scene.triangles.size(),
         stage.scene.spheres.size());
+  if (!stage.scene.nodes.empty())
+    print(t, "             in %zu parts, shown by %zu instances; in units of its own space what an instance resolves\n",
+          stage.scene.parts.size(), instances_of(stage.scene).size());
   print(t, "ray          from (%.9g, %.9g, %.9g) along (%.9g, %.9g, %.9g), t_max %.9g\n", ray.origin.x, ray.origin.y,
         ray.origin.z, ray.direction.x, ray.direction.y, ray.direction.z, ray.t_max);
   print(t, "             --ray=%s\n", ray_argument(ray).c_str());
   print_values(t, "tracer", describe(hit), hit.kind == HitKind::hit, hit.position, hit.normal);
-  print(t, "             %u cells visited, %u primitives tested\n", hit.steps, hit.primitive_tests);
+  print(t, "             %u cells visited, %u primitives tested", hit.steps, hit.primitive_tests);
+  print(t, stage.scene.nodes.empty() ? "\n" : ", %u transforms entered\n", hit.transforms);
   print_values(t, "brute force", describe(brute), brute.kind == HitKind::hit, brute.position, brute.normal);
   print_values(t, "Embree", describe(reference), reference.kind == HitKind::hit, reference.position, reference.normal);
   if (!e.judgement.exact.empty()) print(t, "exact        %s\n", e.judgement.exact.c_str());
   if (is_defined(ray)) {
-    const double reach = lateral_bound_of_scene(stage.judge.bounds, ray);
-    const auto crossings = stage.arbiter.crossings(ray, reach, 0.0);
+    const ExactView view(stage.judge, ray, 0);
     std::size_t shown = 0;
-    for (const Crossing& c : crossings) {
+    for (const Crossing& c : view.crossings()) {
       if (++shown > 16) {
-        print(t, "             and %zu more\n", crossings.size() - 16);
+        print(t, "             and %zu more\n", view.crossings().size() - 16);
         break;
       }
-      print(t, "             %s %u at t = %.17g, %s by %.3g (32 bits resolve %.3g)%s\n",
-            stage.scene.is_triangle(c.primitive) ? "triangle" : "sphere", c.primitive, c.t,
-            c.margin < 0.0 ? "passed" : "met inside its outline", std::abs(c.margin),
-            lateral_bound(stage.judge.bounds, ray, c.primitive),
+      const std::string name = primitive_name(stage.scene, c.instance, c.primitive);
+      print(t, "             %s %s at t = %.17g, %s by %.3g (32 bits resolve %.3g)%s\n",
+            stage.scene.is_triangle(c.primitive) ? "triangle," : "sphere,", name.c_str(), c.t,
+            c.margin < 0.0 ? "passed" : "met inside its outline", std::abs(c.margin), view.lateral(c),
             c.nearest      ? ", nearest"
             : c.in_plane   ? ", seen exactly edge-on"
             : c.facing < 0 ? ", front"

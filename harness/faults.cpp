@@ -33,7 +33,7 @@ bool is_leaf(std::uint32_t word) { return (word >> 31) != 0; }
 /// that its primitives need.
 void shrink_largest_leaf(GeometryImage& image, const Stage& stage, double share) {
   const TreeNode* largest = nullptr;
-  for (const TreeNode& node : stage.tree.nodes)
+  for (const TreeNode& node : stage.tree.world.nodes)
     if (node.is_leaf() && (!largest || node.radius > largest->radius)) largest = &node;
   PLUMBLINE_ASSERT(largest);
   const double radius = (1.0 - share) * static_cast<double>(largest->radius);
@@ -135,12 +135,12 @@ FaultResult run_fault(Session& session, const Fault& fault, std::uint64_t seed) 
     generate_rays_parallel(stage.rays, family.family, seed, 0, rays);
     TraceBuffers buffers;
     Tally sound, faulty;
-    trace_and_judge(stage, session.probe(stage), stage.embree, rays, 0, seed, buffers, sound);
+    trace_and_judge(stage.judge, session.probe(stage), stage.embree, rays, 0, seed, buffers, sound);
     for (const Verdict v : kVerdicts)
       if (is_failure(v) && sound[v] > 0)
         throw EnvironmentError("the tracer fails " + std::string(family.name) + " on the scene of fault " + fault.name +
                                " without the fault");
-    trace_and_judge(stage, broken, stage.embree, rays, 0, seed, buffers, faulty);
+    trace_and_judge(stage.judge, broken, stage.embree, rays, 0, seed, buffers, faulty);
     for (const Verdict v : fault.expected) {
       if (faulty[v] == 0) continue;
       result.verdict = v;

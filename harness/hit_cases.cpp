@@ -10,6 +10,7 @@
 
 #include "harness/catalogue.h"
 #include "harness/clock.h"
+#include "harness/exact_view.h"
 #include "scenes/error.h"
 
 namespace plumbline {
@@ -18,24 +19,6 @@ namespace {
 constexpr std::size_t kBatch = std::size_t{1} << 17;
 /// One agreeing ray in this many is arbitrated all the same, so that both being wrong together is seen.
 constexpr std::uint32_t kSampleOneIn = 1024;
-
-/// Compares `count` rays of a family, batch by batch, so that memory does not grow with their number. Notes the tracing
-/// time in `record`.
-Tally compare_family(CaseContext& context, const Stage& stage, Probe& probe, const EmbreeScene& embree,
-                     RayFamily family, std::uint64_t seed, std::uint64_t count, CaseRecord& record) {
-  Tally tally;
-  TraceBuffers buffers;
-  std::vector<Ray> batch;
-  for (std::uint64_t first = 0; first < count; first += kBatch) {
-    batch.resize(std::min<std::uint64_t>(kBatch, count - first));
-    generate_rays_parallel(stage.rays, family, seed, first, batch);
-    trace_and_judge(stage, probe, embree, batch, first, seed, buffers, tally);
-    context.progress(static_cast<double>(first + batch.size()) / static_cast<double>(count));
-  }
-  PLUMBLINE_ASSERT(tally.rays() == count);
-  record.trace_seconds = buffers.trace_seconds;
-  return tally;
-}
 
 /// The families whose rays are random lines that know nothing of the tracer's rounding; the others are aimed at it.
 bool is_random_family(RayFamily family) {
@@ -52,7 +35,7 @@ void generate_rays_parallel(const RaySource& source, RayFamily family, std::uint
                     });
 }
 
-void trace_and_judge(const Stage& stage, Probe& probe, const EmbreeScene& embree, std::span<const Ray> rays,
+void trace_and_judge(const Judge& judge, Probe& probe, const EmbreeScene& embree, std::span<const Ray> rays,
                      std::uint64_t first_index, std::uint64_t seed, TraceBuffers& buffers, Tally& tally) {
   buffers.tracer.resize(rays.size());
   buffers.reference.resize(rays.size());
@@ -61,7 +44,41 @@ void trace_and_judge(const Stage& stage, Probe& probe, const EmbreeScene& embree
   const auto start = Clock::now();
   embree.intersect(rays, buffers.reference);
   buffers.trace_seconds += seconds_since(start);
-  judge_batch(stage.judge, rays, buffers.tracer, buffers.reference, first_index, seed, kSampleOneIn, tally);
+  judge_batch(judge, rays, buffers.tracer, buffers.reference, first_index, seed, kSampleOneIn, tally);
+}
+
+Tally compare_family(CaseContext& context, const Stage& stage, const Judge& judge, Probe& probe,
+                     const EmbreeScene& embree, RayFamily family, std::uint64_t seed, std::uint64_t count,
+                     CaseRecord& record) {
+  Tally tally;
+  TraceBuffers buffers;
+  std::vector<Ray> batch;
+  for (std::uint64_t first = 0; first < count; first += kBatch) {
+    batch.resize(std::min<std::uint64_t>(kBatch, count - first));
+    generate_rays_parallel(stage.rays, family, seed, first, batch);
+    trace_and_judge(judge, probe, embree, batch, first, seed, buffers, tally);
+    context.progress(static_cast<double>(first + batch.size()) / static_cast<double>(count));
+  }
+  PLUMBLINE_ASSERT(tally.rays() == count);
+  record.trace_seconds = buffers.trace_seconds;
+  return tally;
+}
+
+std::vector<Ray> mixed_rays(const RaySource& source, std::uint64_t seed, std::size_t each) {
+  std::vector<Ray> rays(each * ray_families().size());
+  std::size_t at = 0;
+  for (const RayFamilyInfo& family : ray_families()) {
+    generate_rays_parallel(source, family.family, seed, 0, std::span(rays).subspan(at, each));
+    at += each;
+  }
+  return rays;
+}
+
+bool is_skipped(const Stage& stage, CaseRecord& record) {
+  if (placed_count(stage.scene) > 0) return false;
+  record.status = CaseStatus::skipped;
+  record.message = "the scene shows no primitives";
+  return true;
 }
 
 void name_layers(Session& session, const Stage& stage, Tally& tally) {
@@ -75,7 +92,7 @@ void name_layers(Session& session, const Stage& stage, Tally& tally) {
   session.brute_force(stage).trace(rays, hits);
   for (std::size_t i = 0; i < failing.size(); ++i) {
     JudgedRay& f = *failing[i];
-    const bool same = hits[i].kind == f.tracer.kind && hits[i].primitive == f.tracer.primitive;
+    const bool same = is_same(answer_of(hits[i]), answer_of(f.tracer));
     f.judgement.reason += same
                               ? " Brute force over all primitives answers the same: the arithmetic lost it."
                               : " Brute force over all primitives answers " + describe(hits[i]) + ": the tree lost it.";
@@ -123,24 +140,47 @@ void record_tally(const Tally& tally, const std::string& spec, CaseRecord& recor
 std::uint64_t grazing_budget(const Stage& stage, RayFamily family, std::uint64_t rays) {
   // A random line of the ball of radius R passes within w of a segment of length l with probability (pi/4) 2wl / (pi
   // R^2) = wl / 2R^2, and within w of a sphere's outline of radius r with probability 2 pi r 2w / (pi R^2) = 4rw / R^2.
-  // Summed over the scene: p rays per ray. Camera rays are no random lines, hence a factor of 16; six standard
-  // deviations and 16 rays are for chance in small samples. A tracer that is wrong near edges by ten times its bound is
-  // not grazing but wrong; this budget catches one whose rounding is worse than its formulas allow.
+  // Summed over the scene: p rays per ray; of an instance lengths and w are stretched, at most, as it stretches. Camera
+  // rays are no random lines, hence a factor of 16; six standard deviations and 16 rays are for chance in small
+  // samples. A tracer that is wrong near edges by ten times its bound is not grazing but wrong; this budget catches one
+  // whose rounding is worse than its formulas allow.
   if (!is_random_family(family)) return rays;
-  const double radius = stage.judge.bounds.ball.radius;
-  double sum = 0.0;
-  for (std::uint32_t p = 0; p < stage.scene.triangles.size(); ++p) {
-    const auto v = stage.scene.corners(p);
-    for (int i = 0; i < 3; ++i)
-      sum += glm::length(glm::dvec3(v[(i + 1) % 3]) - glm::dvec3(v[i])) / (4.0 * radius * radius);  // each edge twice
+  const Scene& scene = stage.scene;
+  BoundsContext context = stage.judge.bounds;
+  const double radius = context.world.ball.radius;
+  const Ray typical{glm::vec3(context.world.ball.center + glm::dvec3(2.0 * radius, 0.0, 0.0)), {-1.0f, 0.0f, 0.0f}};
+  // Twice the sum of lengths of edges, each edge told twice, and 4 r, of a range of primitives.
+  const auto outlines = [&](std::uint32_t first_triangle, std::uint32_t triangles, std::uint32_t first_sphere,
+                            std::uint32_t spheres) {
+    double sum = 0.0;
+    for (std::uint32_t p = first_triangle; p < first_triangle + triangles; ++p) {
+      const auto v = scene.corners(p);
+      for (int i = 0; i < 3; ++i) sum += 0.25 * glm::length(glm::dvec3(v[(i + 1) % 3]) - glm::dvec3(v[i]));
+    }
+    for (std::uint32_t i = first_sphere; i < first_sphere + spheres; ++i) sum += 4.0 * scene.spheres[i].radius;
+    return sum;
+  };
+  const auto width = [&](std::uint32_t instance) {
+    return lateral_bound_of_space(context, place_ray(context, typical, instance));
+  };
+  const auto typical_edge = [](SpaceExtent& space) {
+    space.longest_edge = std::min(space.longest_edge, space.ball.radius / 64.0);
+  };
+  typical_edge(context.world);
+  double sum = outlines(0, scene.world_triangle_count(), 0, scene.world_sphere_count()) * width(kNone);
+  std::vector<double> parts;
+  for (std::size_t i = 0; i < scene.parts.size(); ++i) {
+    const Part& part = scene.parts[i];
+    typical_edge(context.parts[i]);
+    parts.push_back(outlines(part.first_triangle, part.triangle_count, part.first_sphere, part.sphere_count));
   }
-  for (const Sphere& s : stage.scene.spheres) sum += 4.0 * s.radius / (radius * radius);
-  const Ray typical{glm::vec3(stage.judge.bounds.ball.center + glm::dvec3(2.0 * radius, 0.0, 0.0)),
-                    {-1.0f, 0.0f, 0.0f}};
-  BoundsContext width = stage.judge.bounds;
-  width.longest_edge = std::min(width.longest_edge, radius / 64.0);
-  const double expected = 16.0 * sum * lateral_bound_of_scene(width, typical) * static_cast<double>(rays);
-  return static_cast<std::uint64_t>(expected + 6.0 * std::sqrt(expected) + 16.0);
+  for (const std::uint32_t instance : instances_of(scene)) {
+    const double stretch = context.spaces.instances[instance].stretch;
+    sum += stretch * stretch * parts[scene.nodes[instance].part] * width(instance);
+  }
+  const double expected = 16.0 * sum / (radius * radius) * static_cast<double>(rays);
+  return expected < static_cast<double>(rays) ? static_cast<std::uint64_t>(expected + 6.0 * std::sqrt(expected) + 16.0)
+                                              : rays;
 }
 
 void conclude(const Tally& tally, std::uint64_t budget, CaseRecord& record) {
@@ -172,14 +212,10 @@ std::vector<Case> hit_cases(const ListedScene& scene, std::uint64_t rays) {
     c.rays = rays;
     c.run = [id = family.family](CaseContext& context, const Case& self, CaseRecord& record) {
       Stage& stage = context.session.stage(self.spec);
-      if (stage.scene.primitive_count() == 0) {
-        record.status = CaseStatus::skipped;
-        record.message = "the scene has no primitives";
-        return;
-      }
+      if (is_skipped(stage, record)) return;
       const std::uint64_t seed = case_seed(context.seed, self.name);
-      Tally tally =
-          compare_family(context, stage, context.session.probe(stage), stage.embree, id, seed, self.rays, record);
+      Tally tally = compare_family(context, stage, stage.judge, context.session.probe(stage), stage.embree, id, seed,
+                                   self.rays, record);
       name_layers(context.session, stage, tally);
       record_tally(tally, self.spec, record);
       conclude(tally, grazing_budget(stage, id, self.rays), record);
@@ -209,8 +245,8 @@ Case embree_spheres_case(const ListedScene& scene, std::uint64_t rays) {
     }
     const EmbreeScene other(stage.scene, SphereMode::embree);
     const std::uint64_t seed = case_seed(context.seed, self.name);
-    const Tally tally =
-        compare_family(context, stage, context.session.probe(stage), other, RayFamily::chords, seed, self.rays, record);
+    const Tally tally = compare_family(context, stage, stage.judge, context.session.probe(stage), other,
+                                       RayFamily::chords, seed, self.rays, record);
     record_tally(tally, self.spec, record);
     conclude(tally, self.rays, record);
   };

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/catalogue.h"
 #include "harness/session.h"
 #include "reports/record.h"
 
@@ -24,8 +25,20 @@ void generate_rays_parallel(const RaySource& source, RayFamily family, std::uint
                             std::span<Ray> rays);
 
 /// Traces `rays` on both sides and adds their verdicts to `tally`; ray i has number first_index + i.
-void trace_and_judge(const Stage& stage, Probe& probe, const EmbreeScene& embree, std::span<const Ray> rays,
+void trace_and_judge(const Judge& judge, Probe& probe, const EmbreeScene& embree, std::span<const Ray> rays,
                      std::uint64_t first_index, std::uint64_t seed, TraceBuffers& buffers, Tally& tally);
+
+/// Compares `count` rays of a family, batch by batch, so that memory does not grow with their number. Notes the tracing
+/// time in `record`.
+Tally compare_family(CaseContext& context, const Stage& stage, const Judge& judge, Probe& probe,
+                     const EmbreeScene& embree, RayFamily family, std::uint64_t seed, std::uint64_t count,
+                     CaseRecord& record);
+
+/// Rays of every family, `each` of each.
+std::vector<Ray> mixed_rays(const RaySource& source, std::uint64_t seed, std::size_t each);
+
+/// Marks the case as skipped where there is nothing to trace.
+bool is_skipped(const Stage& stage, CaseRecord& record);
 
 /// Adds to the reason of each failing ray which layer lost it: the tree, or the arithmetic.
 void name_layers(Session& session, const Stage& stage, Tally& tally);

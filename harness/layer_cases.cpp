@@ -13,22 +13,11 @@
 namespace plumbline {
 namespace {
 
-/// Rays of every family, `each` of each.
-std::vector<Ray> mixed_rays(const Stage& stage, std::uint64_t seed, std::size_t each) {
-  std::vector<Ray> rays(each * ray_families().size());
-  std::size_t at = 0;
-  for (const RayFamilyInfo& family : ray_families()) {
-    generate_rays_parallel(stage.rays, family.family, seed, 0, std::span(rays).subspan(at, each));
-    at += each;
-  }
-  return rays;
-}
-
 bool same_bits(const glm::vec3& a, const glm::vec3& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
 /// All but steps and tests, which tell of the walk and not of the answer.
 bool same_answer(const Hit& a, const Hit& b) {
-  return a.kind == b.kind && a.primitive == b.primitive &&
+  return a.kind == b.kind && a.primitive == b.primitive && a.instance == b.instance &&
          std::bit_cast<std::uint32_t>(a.t) == std::bit_cast<std::uint32_t>(b.t) && same_bits(a.position, b.position) &&
          same_bits(a.normal, b.normal) && std::memcmp(&a.barycentrics, &b.barycentrics, sizeof a.barycentrics) == 0;
 }
@@ -62,16 +51,18 @@ void record_differences(std::span<const Ray> rays, std::span<const Hit> got, std
 }
 
 std::size_t rays_per_family(std::uint64_t tests, const Stage& stage) {
-  const std::uint64_t primitives = std::max<std::uint64_t>(1, stage.scene.primitive_count());
-  return std::clamp<std::uint64_t>(tests / primitives / ray_families().size(), 16, 4096);
+  const std::uint64_t primitives = std::max<std::uint64_t>(1, placed_count(stage.scene));
+  // At least a few rays, of scenes that show millions of primitives one of each family.
+  const std::uint64_t least = primitives > 1'000'000 ? 1 : 16;
+  return std::clamp<std::uint64_t>(tests / primitives / ray_families().size(), least, 4096);
 }
 
 }  // namespace
 
 Case brute_force_case(const ListedScene& scene, std::uint64_t tests) {
   Case c;
-  c.name = "layers.brute_force." + scene.name;
-  c.feature = "layers";
+  c.feature = scene.has_nodes ? "transforms" : "layers";
+  c.name = c.feature + ".brute_force." + scene.name;
   c.scene = scene.name;
   c.spec = scene.spec;
   c.paper = "4";
@@ -80,7 +71,8 @@ Case brute_force_case(const ListedScene& scene, std::uint64_t tests) {
       "the same primitive functions.";
   c.run = [tests](CaseContext& context, const Case& self, CaseRecord& record) {
     Stage& stage = context.session.stage(self.spec);
-    const std::vector<Ray> rays = mixed_rays(stage, case_seed(context.seed, self.name), rays_per_family(tests, stage));
+    const std::vector<Ray> rays =
+        mixed_rays(stage.rays, case_seed(context.seed, self.name), rays_per_family(tests, stage));
     std::vector<Hit> tree(rays.size()), brute(rays.size());
     context.session.probe(stage).trace(rays, tree);
     context.session.brute_force(stage).trace(rays, brute);
@@ -91,18 +83,18 @@ Case brute_force_case(const ListedScene& scene, std::uint64_t tests) {
 
 Case variants_case(const ListedScene& scene, std::uint64_t per_family) {
   Case c;
-  c.name = "variants.all." + scene.name;
-  c.feature = "variants";
+  c.feature = scene.has_nodes ? "transforms" : "variants";
+  c.name = c.feature + (scene.has_nodes ? ".variants." : ".all.") + scene.name;
   c.scene = scene.name;
   c.spec = scene.spec;
   c.paper = "9";
   c.proves = "No variant of bake or shader changes an answer in any bit.";
-  c.run = [per_family](CaseContext& context, const Case& self, CaseRecord& record) {
+  c.run = [per_family, placed = scene.has_nodes](CaseContext& context, const Case& self, CaseRecord& record) {
     Stage& stage = context.session.stage(self.spec);
-    const std::vector<Ray> rays = mixed_rays(stage, case_seed(context.seed, self.name), per_family);
+    const std::vector<Ray> rays = mixed_rays(stage.rays, case_seed(context.seed, self.name), per_family);
     std::vector<Hit> standard(rays.size()), hits(rays.size());
     context.session.probe(stage).trace(rays, standard);
-    const std::vector<Variant> variants = all_variants();
+    const std::vector<Variant> variants = all_variants(placed);
     for (std::size_t i = 0; i < variants.size(); ++i) {
       const GeometryImage image = bake(stage.scene, variants[i].options);
       Probe& probe = context.session.probe(image);

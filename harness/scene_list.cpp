@@ -4,6 +4,7 @@
 #include <cstdlib>
 
 #include "scenes/error.h"
+#include "scenes/generate.h"
 
 namespace plumbline {
 
@@ -22,6 +23,12 @@ std::vector<ListedScene> own_scenes() {
       {"gears_2", "gears:2"},
       {"creature", "creature", true},
   };
+}
+
+std::vector<ListedScene> placed_scenes() {
+  std::vector<ListedScene> scenes;
+  for (const std::string& name : shipped_scenes()) scenes.push_back({name, name, false, false, true, name == "walk"});
+  return scenes;
 }
 
 std::vector<ListedScene> real_scenes() {

@@ -13,6 +13,8 @@ struct ListedScene {
   std::string spec;          ///< what load_scene takes
   bool closed = false;       ///< known to be one closed mesh
   bool has_spheres = false;  ///< known to hold sphere primitives
+  bool has_nodes = false;    ///< geometry is placed by transforms
+  bool moves = false;        ///< transforms are animated
 };
 
 /// Where real scenes are: PLUMBLINE_DATA if set, else ../shared/data beside the working directory. May not exist.
@@ -20,6 +22,9 @@ std::filesystem::path data_folder();
 
 /// The generators' scenes, always there.
 std::vector<ListedScene> own_scenes();
+
+/// The scene files that come with Plumbline, all of them with instances.
+std::vector<ListedScene> placed_scenes();
 
 /// The scenes of the data folder that are present.
 std::vector<ListedScene> real_scenes();

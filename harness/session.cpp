@@ -9,10 +9,22 @@ namespace {
 
 constexpr std::size_t kSecondarySources = 1 << 14;
 
-std::vector<glm::vec4> node_spheres(const SphereTree& tree) {
+/// Spheres of the tree in world space: those of the world's own geometry and of the nodes that stand in it, and of the
+/// tree of every instance's part, as far as kMostSpheres reaches.
+std::vector<glm::vec4> node_spheres(const Scene& scene, const SceneTree& tree) {
+  constexpr std::size_t kMostSpheres = 1 << 16;
   std::vector<glm::vec4> spheres;
-  spheres.reserve(tree.nodes.size());
-  for (const TreeNode& node : tree.nodes) spheres.emplace_back(node.center, node.radius);
+  for (const TreeNode& node : tree.world.nodes) spheres.emplace_back(node.center, node.radius);
+  if (scene.nodes.empty()) return spheres;
+  for (const GroupNode& node : tree.groups.front().nodes) spheres.emplace_back(node.center, node.radius);
+  for (const std::uint32_t instance : instances_of(scene)) {
+    const TransformD place = to_world(scene, instance);
+    const double stretch = largest_stretch(place.linear);
+    for (const TreeNode& node : tree.parts[scene.nodes[instance].part].nodes) {
+      if (spheres.size() >= kMostSpheres) return spheres;
+      spheres.emplace_back(transform_point(place, glm::dvec3(node.center)), stretch * node.radius);
+    }
+  }
   return spheres;
 }
 
@@ -29,9 +41,25 @@ Stage::Stage(const std::string& spec_, Scene scene_)
       arbiter(scene),
       embree(scene),
       judge(make_judge(scene, arbiter, topology)),
-      tree(build_sphere_tree(scene, BakeOptions{}.tree)),
+      tree(build_scene_tree(scene, BakeOptions{}.tree)),
       image(bake(scene, tree, BakeOptions{})),
-      rays(scene, node_spheres(tree)) {}
+      rays(scene, node_spheres(scene, tree)) {}
+
+const GeometryImage& Stage::image_of(TransformOut out) const {
+  if (out == image.options.transform_out) return image;
+  if (!inverse_image_) {
+    BakeOptions options;
+    options.transform_out = out;
+    inverse_image_ = std::make_unique<const GeometryImage>(bake(scene, tree, options));
+  }
+  return *inverse_image_;
+}
+
+Judge Stage::judge_of(TransformOut out) const {
+  Judge j = judge;
+  j.drifts = out == TransformOut::inverse;
+  return j;
+}
 
 Session::Session() = default;
 Session::~Session() = default;
@@ -66,7 +94,7 @@ Probe& Session::program(const GeometryImage& image, Traversal traversal) {
   return *program;
 }
 
-Probe& Session::probe(const Stage& stage) { return program(stage.image, Traversal::tree); }
+Probe& Session::probe(const Stage& stage, TransformOut out) { return program(stage.image_of(out), Traversal::tree); }
 Probe& Session::brute_force(const Stage& stage) { return program(stage.image, Traversal::brute_force); }
 
 Probe& Session::probe(const GeometryImage& image) {

@@ -18,6 +18,7 @@
 #include "tracer/geometry_image.h"
 #include "tracer/gl_context.h"
 #include "tracer/probe.h"
+#include "tracer/scene_tree.h"
 
 namespace plumbline {
 
@@ -34,9 +35,17 @@ class Stage {
   const Arbiter arbiter;
   const EmbreeScene embree;
   const Judge judge;
-  const SphereTree tree;      ///< of the default variant
+  const SceneTree tree;       ///< of the default variant
   const GeometryImage image;  ///< of the default variant
   RaySource rays;             ///< tangents aim at the spheres of `tree`; `secondary` rays are captured by Session
+
+  /// The default variant but for how rays leave transforms. That of `inverse` is baked when it is first asked for.
+  const GeometryImage& image_of(TransformOut out) const;
+  /// Judges answers of that variant.
+  Judge judge_of(TransformOut out) const;
+
+ private:
+  mutable std::unique_ptr<const GeometryImage> inverse_image_;
 };
 
 class Session {
@@ -49,8 +58,8 @@ class Session {
   Stage& stage(const std::string& spec);
   /// The stage of a scene that is already in memory.
   Stage& stage(const std::string& spec, Scene scene);
-  /// The default variant's probe with the stage's image uploaded.
-  Probe& probe(const Stage& stage);
+  /// The default variant's probe with the stage's image uploaded, or that of the other way out of transforms.
+  Probe& probe(const Stage& stage, TransformOut out = BakeOptions{}.transform_out);
   /// The brute-force layer over the stage's image.
   Probe& brute_force(const Stage& stage);
   /// A variant's probe with `image` uploaded; programs are compiled once per kind of image.

@@ -7,10 +7,12 @@ std::string variant_name(const BakeOptions& o) {
   std::string name = o.layout == Layout::paper ? "paper" : "compact";
   name += o.bounds == Bounds::sphere ? "_sphere" : "_aabb";
   name += o.links == Links::threaded ? "_threaded" : "_octant";
+  if (o.transform_list == TransformList::root) name += "_list";
+  if (o.transform_out == TransformOut::inverse) name += "_inverse";
   return name;
 }
 
-std::vector<Variant> all_variants() {
+std::vector<Variant> all_variants(bool placed) {
   std::vector<Variant> variants;
   const BakeOptions standard;
   for (const Layout layout : {Layout::paper, Layout::compact})
@@ -20,6 +22,9 @@ std::vector<Variant> all_variants() {
         o.layout = layout, o.bounds = bounds, o.links = links;
         if (variant_name(o) == variant_name(standard)) continue;
         variants.push_back({variant_name(o), "Layout, bounds and links of the geometry image.", o});
+        if (!placed) continue;
+        o.transform_list = TransformList::root;
+        variants.push_back({variant_name(o), "Layout, bounds and links, and all transforms in a list at the root.", o});
       }
   const auto add = [&](const std::string& name, const std::string& what, auto change) {
     BakeOptions o = standard;
@@ -35,6 +40,9 @@ std::vector<Variant> all_variants() {
   add("split", "Long triangles are split before the build.", [](BakeOptions& o) { o.tree.split_long = 0.1f; });
   add("image_2048", "An image of 2048 texels a row.", [](BakeOptions& o) { o.width = 2048; });
   add("image_64", "An image that starts at 64 texels a row and grows.", [](BakeOptions& o) { o.width = 64; });
+  if (placed)
+    add("list", "All transforms in a list at the root, as in the paper.",
+        [](BakeOptions& o) { o.transform_list = TransformList::root; });
   return variants;
 }
 

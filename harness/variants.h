@@ -15,8 +15,9 @@ struct Variant {
   BakeOptions options;
 };
 
-/// All variants, the default left out.
-std::vector<Variant> all_variants();
+/// All variants, the default left out. `placed`: of scenes with transforms too. Leaving transforms by their inverses is
+/// none of them: it may change answers, within bounds.
+std::vector<Variant> all_variants(bool placed = false);
 
 /// "compact_sphere_octant": what the shader is compiled for.
 std::string variant_name(const BakeOptions& options);

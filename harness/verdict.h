@@ -33,10 +33,11 @@ std::size_t kept_of(Verdict verdict);
 struct Judgement {
   Verdict verdict = Verdict::agree;
   bool arbitrated = false;  ///< exact arithmetic was asked
-  double margin = 0.0;      ///< grazing: what decided, world units (lateral) or units of t times the direction's length
-  double bound = 0.0;       ///< grazing: what 32 bits resolve, same units
-  std::string exact;        ///< what exact arithmetic says, one line; empty where it was not asked
-  std::string reason;       ///< one sentence; empty for agree
+  /// Grazing: what decided, across the ray in units of the primitive's own space, or along it in world units.
+  double margin = 0.0;
+  double bound = 0.0;  ///< grazing: what 32 bits resolve, same units
+  std::string exact;   ///< what exact arithmetic says, one line; empty where it was not asked
+  std::string reason;  ///< one sentence; empty for agree
 };
 
 /// Everything that judging rays of one scene needs. Build once per scene; judging is thread-safe.
@@ -44,9 +45,12 @@ struct Judge {
   const Scene* scene = nullptr;
   const Arbiter* arbiter = nullptr;
   const Topology* topology = nullptr;
+  bool drifts = false;  ///< the tracer leaves transforms by their inverses: bounds grow with Hit::transforms
   BoundsContext bounds;
 };
 Judge make_judge(const Scene& scene, const Arbiter& arbiter, const Topology& topology);
+/// How many transforms the tracer may have left by their inverses on its way to this answer.
+std::uint32_t left_by(const Judge& judge, const Hit& tracer);
 
 /// Judges one ray. With `arbitrate_always` exact arithmetic is asked even where both agree.
 Judgement judge(const Judge& judge, const Ray& ray, const Hit& tracer, const ReferenceHit& reference,
@@ -80,7 +84,7 @@ void judge_batch(const Judge& judge, std::span<const Ray> rays, std::span<const 
                  std::span<const ReferenceHit> reference, std::uint64_t first_index, std::uint64_t seed,
                  std::uint32_t sample_one_in, Tally& tally, std::span<Verdict> verdicts = {});
 
-/// "hit 812 at t = 3.2000003, position (1, 2, 3)", "miss", ...
+/// "hit 812 at t = 3.2000003", "hit 812 of instance 7 at t = 3.2000003", "miss", ...
 std::string describe(const Hit& hit);
 std::string describe(const ReferenceHit& hit);
 /// Nine significant digits, or a hex float: both read back to the same bits.

@@ -124,7 +124,7 @@ TEST_CASE("A ray that slips through an edge of a closed mesh is a leak, one that
   const glm::vec3 middle = 0.5f * (c[0] + c[1]);
   const Ray through{3.0f * middle, -middle};
   ReferenceHit truth;
-  for (const std::uint32_t p : b.arbiter.nearest(through)) truth = reference_hit(b.scene, through, p);
+  for (const Placed& p : b.arbiter.nearest(through)) truth = reference_hit(b.scene, through, p.primitive);
   REQUIRE(truth.kind == HitKind::hit);
   const Judgement leak = judge(b.judge, through, Hit{}, truth);
   // The edge's middle is rounded to floats: the ray passes within what 32 bits resolve of the edge.
@@ -137,7 +137,7 @@ TEST_CASE("A ray that slips through an edge of a closed mesh is a leak, one that
   const Ray past{tip + glm::vec3(0, 0, 4), {0, 0, -1}};
   const auto nearest = b.arbiter.nearest(past);
   REQUIRE_FALSE(nearest.empty());
-  const Judgement graze = judge(b.judge, past, Hit{}, reference_hit(b.scene, past, nearest.front()));
+  const Judgement graze = judge(b.judge, past, Hit{}, reference_hit(b.scene, past, nearest.front().primitive));
   CHECK(graze.verdict == Verdict::grazing);
 }
 

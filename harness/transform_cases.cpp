@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The cases `transforms.*` that compare rays on a scene of instances as it stands: both ways of leaving a transform
+// against Embree and exact arithmetic, and Embree's two ways of placing geometry against each other.
+#include <algorithm>
+
+#include "harness/catalogue.h"
+#include "harness/exact_view.h"
+#include "harness/hit_cases.h"
+#include "harness/transform_cases.h"
+#include "reference/geometry.h"
+#include "scenes/error.h"
+
+namespace plumbline {
+namespace {
+
+constexpr std::size_t kBatch = std::size_t{1} << 16;
+/// Of this many rays one may be answered wrongly by one of Embree's two scenes before that is a fault of how they are
+/// placed: rounding loses far fewer.
+constexpr std::uint64_t kWrongOneIn = 1000;
+
+/// What a family proves where geometry is placed by transforms.
+std::string proof_of(RayFamily family, TransformOut out) {
+  const std::string ends =
+      out == TransformOut::inverse
+          ? " Rays leave a transform by its inverse, as in the paper; bounds grow with each one left."
+          : " Rays leave a transform as they were before it.";
+  const auto say = [&](const char* text) { return text + ends; };
+  switch (family) {
+    case RayFamily::camera:
+      return say(
+          "What the camera sees: position, normal, distance, primitive and instance of every hit, and what follows a "
+          "transform in the walk is again in the outer space.");
+    case RayFamily::secondary:
+      return say("Rays that the renderer sends on from instances, mirrored and towards lights, hit what they should.");
+    case RayFamily::chords:
+      return say("Random lines pass through several instances, miss everything inside some, and hit the nearest.");
+    case RayFamily::inside:
+      return say("Rays that start inside transformed objects, whose transforms lie behind and around them.");
+    case RayFamily::on_surface:
+      return say("Rays that start on a transformed surface leave it, or enter it, but do not hit where they start.");
+    case RayFamily::far:
+      return say(
+          "Rays from 10^3 to 10^6 scene sizes away find the instance, though its space is far from their origin.");
+    case RayFamily::scaled:
+      return say("Directions of any length: t of a hit is in units of the ray's own direction, not of the instance's.");
+    case RayFamily::segments:
+      return say("Segments that end just before and just after a hit: t_max means the same in every space.");
+    case RayFamily::undefined:
+      return say("Rays without an answer are told, whatever transforms stand in the scene.");
+    case RayFamily::tangents:
+      return say("Tangents of transformed spheres and of bounding spheres: mirrored, sheared and stretched outlines.");
+    default:
+      break;
+  }
+  if (ray_family_info(family).name == "into_instances")
+    return say("Rays leave one instance and enter another, overlapping or apart.");
+  if (ray_family_info(family).name == "between_instances")
+    return say("Rays from a point in one instance to a point in another pass through what stands between.");
+  return say("Aimed at transformed geometry, every ray hits what exact arithmetic says:") + " " +
+         std::string(ray_family_info(family).description);
+}
+
+Case family_case(const ListedScene& scene, TransformOut out, RayFamily family, std::uint64_t rays) {
+  const RayFamilyInfo& info = ray_family_info(family);
+  Case c;
+  c.name = std::string("transforms.") + name_of(out) + "." + std::string(info.name) + "." + scene.name;
+  c.feature = "transforms";
+  c.scene = scene.name;
+  c.spec = scene.spec;
+  c.family = info.name;
+  c.paper = "6";
+  c.proves = proof_of(family, out);
+  c.rays = rays;
+  c.run = [out, family](CaseContext& context, const Case& self, CaseRecord& record) {
+    Stage& stage = context.session.stage(self.spec);
+    if (is_skipped(stage, record)) return;
+    // Both variants are asked the same rays.
+    const std::uint64_t seed = case_seed(context.seed, self.family + "." + self.scene);
+    const Judge judge = stage.judge_of(out);
+    Probe& probe = context.session.probe(stage, out);
+    Tally tally = compare_family(context, stage, judge, probe, stage.embree, family, seed, self.rays, record);
+    name_layers(context.session, stage, tally);
+    record_tally(tally, self.spec, record);
+    conclude(tally, grazing_budget(stage, family, self.rays), record);
+  };
+  return c;
+}
+
+/// Counts of the two truths' answers to one ray each.
+struct TruthTally {
+  std::array<std::uint64_t, kVerdictCount> count{};
+  std::vector<RayRecord> kept;
+  std::uint64_t both_wrong = 0;
+};
+
+bool is_right_or_near(const ExactView& view, const Answer& answer) {
+  return view.is_exact(answer) || view.explained(answer).has_value();
+}
+
+/// Settles a ray on which the two scenes differ.
+void settle(const Stage& stage, const Ray& ray, std::uint64_t index, const ReferenceHit& placed,
+            const ReferenceHit& flattened, TruthTally& tally) {
+  const ExactView view(stage.judge, ray, 0);
+  const Answer a = answer_of(placed), b = answer_of(flattened);
+  const bool a_holds = is_right_or_near(view, a), b_holds = is_right_or_near(view, b);
+  Verdict verdict = Verdict::reference_wrong;
+  if (view.is_exact(a) && view.is_exact(b)) {
+    verdict = is_same(a, b) ? Verdict::agree : Verdict::tie;
+  } else if (a_holds && b_holds) {
+    verdict = Verdict::grazing;
+  }
+  ++tally.count[static_cast<std::size_t>(verdict)];
+  if (verdict != Verdict::reference_wrong) return;
+  tally.both_wrong += !a_holds && !b_holds;
+  if (tally.kept.size() >= kept_of(verdict)) return;
+  RayRecord r;
+  r.verdict = verdict_name(verdict);
+  r.index = index;
+  r.origin = hex_vector(ray.origin), r.direction = hex_vector(ray.direction), r.t_max = hex_float(ray.t_max);
+  r.tracer = "instanced: " + describe(placed);
+  r.reference = "flattened: " + describe(flattened);
+  r.exact = view.describe_truth();
+  r.reason = a_holds   ? "Embree's flattened scene erred."
+             : b_holds ? "Embree's instanced scene erred."
+                       : "Both of Embree's scenes erred.";
+  r.replay = "./plumbline explain " + quoted(stage.spec) + " --ray=" + ray_argument(ray);
+  tally.kept.push_back(std::move(r));
+}
+
+/// Whether the two scenes' values tell of one point: those of the flattened scene are off by the rounding of its
+/// corners to floats, which is less than what 32 bits resolve.
+bool same_point(const Stage& stage, const Ray& ray, const ReferenceHit& a, const ReferenceHit& b) {
+  const ValueBounds bounds =
+      value_bounds(stage.judge.bounds, place_ray(stage.judge.bounds, ray, a.instance), a.primitive, a.t);
+  return std::abs(a.t - b.t) <= bounds.t && glm::length(a.position - b.position) <= bounds.position &&
+         glm::length(a.normal - b.normal) <= bounds.normal;
+}
+
+Case two_truths_case(const ListedScene& scene, std::uint64_t per_family) {
+  Case c;
+  c.name = "transforms.two_truths." + scene.name;
+  c.feature = "transforms";
+  c.scene = scene.name;
+  c.spec = scene.spec;
+  c.paper = "6";
+  c.proves =
+      "Embree's instances and Embree on all geometry flattened to world space agree with each other, or exact "
+      "arithmetic says which erred.";
+  c.run = [per_family](CaseContext& context, const Case& self, CaseRecord& record) {
+    Stage& stage = context.session.stage(self.spec);
+    if (is_skipped(stage, record)) return;
+    if (placed_count(stage.scene) > kMostFlattened) {
+      record.status = CaseStatus::skipped;
+      record.message = std::to_string(placed_count(stage.scene)) + " primitives are too many to flatten";
+      return;
+    }
+    const EmbreeScene flattened(stage.scene, SphereMode::exact_user, Placement::flattened);
+    const std::vector<Ray> rays = mixed_rays(stage.rays, case_seed(context.seed, self.name), per_family);
+    std::vector<ReferenceHit> a(rays.size()), b(rays.size());
+    stage.embree.intersect(rays, a);
+    flattened.intersect(rays, b);
+    TruthTally tally;
+    std::uint64_t apart = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const bool same = is_same(answer_of(a[i]), answer_of(b[i]));
+      if (!is_defined(rays[i])) {
+        ++tally.count[static_cast<std::size_t>(same ? Verdict::undefined : Verdict::tracer_wrong)];
+      } else if (same && (a[i].kind != HitKind::hit || same_point(stage, rays[i], a[i], b[i]))) {
+        ++tally.count[static_cast<std::size_t>(Verdict::agree)];
+      } else {
+        apart += same;
+        settle(stage, rays[i], i, a[i], b[i], tally);
+      }
+      if (i % kBatch == 0) context.progress(static_cast<double>(i) / static_cast<double>(rays.size()));
+    }
+    record.rays = rays.size();
+    for (const Verdict v : kVerdicts)
+      record.verdicts[std::string(verdict_name(v))] = tally.count[static_cast<std::size_t>(v)];
+    record.worst = std::move(tally.kept);
+    record.figures.push_back({"same primitive, values apart", "rays", static_cast<double>(apart)});
+    const std::uint64_t wrong = tally.count[static_cast<std::size_t>(Verdict::reference_wrong)];
+    const std::uint64_t untold = tally.count[static_cast<std::size_t>(Verdict::tracer_wrong)];
+    if (tally.both_wrong > 0 || untold > 0 || wrong > rays.size() / kWrongOneIn) {
+      record.status = CaseStatus::failed;
+      record.message = std::to_string(wrong) + " of " + std::to_string(rays.size()) +
+                       " rays are wrong in one of Embree's scenes, " + std::to_string(tally.both_wrong) +
+                       " in both, and " + std::to_string(untold) + " undefined ones are answered";
+    }
+  };
+  return c;
+}
+
+}  // namespace
+
+std::vector<Case> transform_cases(const ListedScene& scene, std::uint64_t rays, std::uint64_t truth_rays) {
+  std::vector<Case> cases;
+  cases.push_back(two_truths_case(scene, truth_rays));
+  for (const TransformOut out : {TransformOut::restore, TransformOut::inverse})
+    for (const RayFamilyInfo& family : ray_families()) cases.push_back(family_case(scene, out, family.family, rays));
+  return cases;
+}
+
+}  // namespace plumbline
