@@ -223,14 +223,15 @@ void check_composed(const std::string& file, const Scene& scene, const std::vect
     if (!problem.empty())
       throw InputError(
           file, lines[n],
-          "node " + shown(node.name) + ": with the transforms around it, its matrix " + problem + " in 32 bits");
+          "node " + shown(node.name, 100) + ": with the transforms around it, its matrix " + problem + " in 32 bits");
     if (node.part == kNone) continue;
     const Ball& ball = of_parts[node.part];
     const glm::dvec3 center = glm::abs(transform_point(composed[n], ball.center));
     const double reach = std::max({center.x, center.y, center.z}) + largest_stretch(composed[n].linear) * ball.radius;
     if (!(reach <= static_cast<double>(std::numeric_limits<float>::max())))
-      throw InputError(file, lines[n],
-                       "node " + shown(node.name) + ": its geometry is too far out for 32-bit numbers; scale it down");
+      throw InputError(
+          file, lines[n],
+          "node " + shown(node.name, 100) + ": its geometry is too far out for 32-bit numbers; scale it down");
   }
 }
 

@@ -98,7 +98,7 @@ void check_files(const JsonPlace& root, const std::filesystem::path& folder) {
     if (!uri || is_data(uri->text())) continue;
     const std::filesystem::path path = folder / decoded(uri->text());
     std::error_code failure;
-    if (!std::filesystem::is_regular_file(path, failure)) uri->fail("no such file: " + shown(path.string()));
+    if (!std::filesystem::is_regular_file(path, failure)) uri->fail("no such file: " + shown(path.string(), 200));
     const std::uintmax_t size = std::filesystem::file_size(path, failure);
     if (failure || static_cast<double>(size) < length)
       uri->fail("cut short: 'byteLength' promises " + std::to_string(static_cast<std::uint64_t>(length)) +

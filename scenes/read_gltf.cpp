@@ -287,7 +287,7 @@ class GltfReader {
     if (!problem.empty())
       throw InputError(
           file_, lines_[animation.node],
-          "node " + shown(scene_.nodes[animation.node].name) + ": its animated matrix " + problem + " in 32 bits");
+          "node " + shown(scene_.nodes[animation.node].name, 100) + ": its animated matrix " + problem + " in 32 bits");
     return transform;
   }
 

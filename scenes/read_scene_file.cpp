@@ -185,7 +185,7 @@ class Reader {
     const std::filesystem::path path = file.folder / spec;
     std::error_code failure;
     if (spec.empty() || !std::filesystem::exists(path, failure))
-      place.fail("no such file: " + shown(path.string()) +
+      place.fail("no such file: " + shown(path.string(), 200) +
                  "; paths are relative to this file, and generators are as in \"sphereflake:3\"");
     const std::string key = identity(path);
     if (std::find(open_files_.begin(), open_files_.end(), key) != open_files_.end())
@@ -287,7 +287,7 @@ class Reader {
     node.parent = parent;
     if (parent != kNone) node.name = into.nodes[parent].name + "/" + node.name;
     if (!names.insert(node.name).second)
-      place.fail("there is another node " + shown(node.name) + "; give it a name of its own");
+      place.fail("there is another node " + shown(node.name, 100) + "; give it a name of its own");
     into.nodes.push_back(std::move(node));
     into.lines.push_back(place.line());
     return static_cast<std::uint32_t>(into.nodes.size() - 1);
@@ -300,7 +300,7 @@ class Reader {
     add_nodes(into, parent, part, place.line());
     for (std::size_t n = first; n < into.nodes.size(); ++n) {
       if (!names.insert(into.nodes[n].name).second)
-        place.fail("there is another node " + shown(into.nodes[n].name) + "; give it a name of its own");
+        place.fail("there is another node " + shown(into.nodes[n].name, 100) + "; give it a name of its own");
     }
   }
 

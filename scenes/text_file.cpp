@@ -101,11 +101,10 @@ std::optional<long long> parse_integer(std::string_view word) {
   return value;
 }
 
-std::string shown(std::string_view word) {
-  constexpr std::size_t kLength = 32;
+std::string shown(std::string_view word, std::size_t most) {
   std::string text = "'";
-  for (const char c : word.substr(0, kLength)) text += (c >= ' ' && c <= '~') ? c : '?';
-  return text + (word.size() > kLength ? "...'" : "'");
+  for (const char c : word.substr(0, most)) text += (c >= ' ' && c <= '~') ? c : '?';
+  return text + (word.size() > most ? "...'" : "'");
 }
 
 void WarningTally::report(std::vector<std::string>& warnings, const std::string& file,

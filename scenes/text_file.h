@@ -41,8 +41,8 @@ std::optional<float> parse_float(std::string_view word);
 /// A whole number of at most 64 bits.
 std::optional<long long> parse_integer(std::string_view word);
 
-/// A word for a message: quoted, at most 32 characters, without control characters.
-std::string shown(std::string_view word);
+/// A word for a message: quoted, at most `most` characters, without control characters.
+std::string shown(std::string_view word, std::size_t most = 32);
 
 /// Counts what befell a file many times, to say it once: "file:12: MESSAGE (7 in all)".
 struct WarningTally {
