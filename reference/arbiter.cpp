@@ -269,8 +269,9 @@ struct Arbiter::Impl {
   Group world;
   std::vector<Group> parts;
   std::vector<InstanceMap> maps;
-  BoxTree instances;  ///< over the maps
-  Ball ball;          ///< around everything
+  BoxTree instances;       ///< over the maps
+  std::vector<Box> boxes;  ///< of the maps, in the world
+  Ball ball;               ///< around everything
   std::atomic<std::uint64_t> exact_decisions{0};
 
   void add_instances(const Scene& scene) {
@@ -279,7 +280,7 @@ struct Arbiter::Impl {
                                  bounding_ball(scene, part)));
     }
     maps = instance_maps(scene);
-    std::vector<Box> boxes(maps.size());
+    boxes.resize(maps.size());
     for (std::size_t i = 0; i < maps.size(); ++i) {
       const Box& local = parts[maps[i].part].tree.bounds;
       const BoxD box = world_box(maps[i], {glm::dvec3(local.lower), glm::dvec3(local.upper)});
@@ -335,7 +336,9 @@ std::vector<Crossing> Arbiter::crossings(const Ray& ray, const Reach& reach, dou
   SlabLine slabs = slabs_of(line, impl_->instances, reach.world, range);
   walk(impl_->instances, slabs, [&](std::uint32_t first, std::uint32_t count) {
     for (std::uint32_t i = first; i < first + count; ++i) {
-      const InstanceMap& map = impl_->maps[impl_->instances.order[i]];
+      const std::uint32_t number = impl_->instances.order[i];
+      if (slabs.enter(impl_->boxes[number]) == INFINITY) continue;
+      const InstanceMap& map = impl_->maps[number];
       const Group& part = impl_->parts[map.part];
       const double local_reach = reach.local ? reach.local(map.instance) : 0.0;
       PLUMBLINE_ASSERT(local_reach >= 0.0);
@@ -392,7 +395,9 @@ std::vector<Placed> Arbiter::nearest(const Ray& ray) const {
   SlabLine slabs = slabs_of(line, impl_->instances, 0.0, {0.0, least_t});
   walk(impl_->instances, slabs, [&](std::uint32_t first, std::uint32_t count) {
     for (std::uint32_t i = first; i < first + count; ++i) {
-      const InstanceMap& map = impl_->maps[impl_->instances.order[i]];
+      const std::uint32_t number = impl_->instances.order[i];
+      if (slabs.enter(impl_->boxes[number]) == INFINITY) continue;
+      const InstanceMap& map = impl_->maps[number];
       const Group& part = impl_->parts[map.part];
       search(visited.emplace_back(std::make_unique<Visited>(ray, line, map, part.ball))->space, part);
     }
@@ -405,6 +410,13 @@ std::vector<Placed> Arbiter::nearest(const Ray& ray) const {
   std::sort(nearest.begin(), nearest.end());
   impl_->count_decisions(filter, visited);
   return nearest;
+}
+
+const InstanceMap& Arbiter::map_of(std::uint32_t instance) const {
+  const auto before = [](const InstanceMap& map, std::uint32_t number) { return map.instance < number; };
+  const auto found = std::lower_bound(impl_->maps.begin(), impl_->maps.end(), instance, before);
+  PLUMBLINE_ASSERT(found != impl_->maps.end() && found->instance == instance);
+  return *found;
 }
 
 std::uint64_t Arbiter::exact_decisions() const { return impl_->exact_decisions.load(std::memory_order_relaxed); }

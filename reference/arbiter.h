@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include "reference/instance_map.h"
 #include "scenes/ray.h"
 #include "scenes/scene.h"
 
@@ -84,6 +85,9 @@ class Arbiter {
   /// The exact answer alone: all nearest primitives (empty: a miss), in ascending order. The ray is defined.
   /// Thread-safe.
   std::vector<Placed> nearest(const Ray& ray) const;
+
+  /// The way to and from an instance's space: of a node that holds a part.
+  const InstanceMap& map_of(std::uint32_t instance) const;
 
   /// How many decisions since construction floating point left open, so that exact arithmetic took them.
   std::uint64_t exact_decisions() const;

@@ -92,28 +92,40 @@ Gmpq surd_value(const Exact& p, const Exact& q, const Exact& d, const Exact& div
   return fraction(p * p - q * q * d) / ((fraction(p) - root) * fraction(divisor));
 }
 
-/// The quotient n / m, m > 0, in extended precision, truncated.
-BoundedT extended(const Exact& n, const Exact& m) {
+/// A number as an extended one and what that lacks, to 2^-120 of it.
+struct TwoParts {
+  BoundedT first;
+  long double rest = 0.0L;
+};
+
+/// The quotient n / m, m > 0.
+TwoParts extended(const Exact& n, const Exact& m) {
   const int sign = sign_of(n);
-  if (sign == 0) return BoundedT(0.0);
+  if (sign == 0) return {BoundedT(0.0)};
   const Gmpq quotient = fraction(n) / fraction(m);
-  mpz_t numerator, denominator, remainder;
-  mpz_init(numerator), mpz_init(denominator), mpz_init(remainder);
-  mpz_abs(numerator, mpq_numref(quotient.mpq()));
+  mpz_t bits, denominator, rest;
+  mpz_init(bits), mpz_init(denominator), mpz_init(rest);
+  mpz_abs(bits, mpq_numref(quotient.mpq()));
   mpz_set(denominator, mpq_denref(quotient.mpq()));
-  const long shift =
-      64 - static_cast<long>(mpz_sizeinbase(numerator, 2)) + static_cast<long>(mpz_sizeinbase(denominator, 2));
-  if (shift > 0) mpz_mul_2exp(numerator, numerator, static_cast<mp_bitcnt_t>(shift));
+  const auto length = [](const mpz_t& x) { return static_cast<long>(mpz_sizeinbase(x, 2)); };
+  const long shift = 128 - length(bits) + length(denominator);
+  if (shift > 0) mpz_mul_2exp(bits, bits, static_cast<mp_bitcnt_t>(shift));
   if (shift < 0) mpz_mul_2exp(denominator, denominator, static_cast<mp_bitcnt_t>(-shift));
-  mpz_tdiv_qr(numerator, remainder, numerator, denominator);  // 64 or 65 bits
-  const bool lost = mpz_sgn(remainder) != 0 || (mpz_sizeinbase(numerator, 2) == 65 && mpz_tstbit(numerator, 0) != 0);
-  mpz_tdiv_q_2exp(remainder, numerator, 1);
-  // Both terms have at most 64 bits; their sum is rounded where it has 65.
-  const long double value =
-      2.0L * static_cast<long double>(mpz_get_ui(remainder)) + static_cast<long double>(mpz_tstbit(numerator, 0));
-  mpz_clear(numerator), mpz_clear(denominator), mpz_clear(remainder);
-  const long double size = std::ldexp(value, static_cast<int>(-shift));
-  return {sign * size, lost ? size * 0x1p-62L : 0.0L};
+  mpz_tdiv_qr(bits, rest, bits, denominator);  // 128 or 129 bits
+  bool whole = mpz_sgn(rest) == 0;
+  const long low_bits = length(bits) - 64;
+  mpz_tdiv_r_2exp(rest, bits, static_cast<mp_bitcnt_t>(low_bits));
+  mpz_tdiv_q_2exp(bits, bits, static_cast<mp_bitcnt_t>(low_bits));
+  whole = whole && mpz_sgn(rest) == 0;
+  mpz_tdiv_q_2exp(rest, rest, 1);  // at most 64 bits
+  const auto number = [&](const mpz_t& x, long exponent) {
+    return static_cast<long double>(sign) *
+           std::ldexp(static_cast<long double>(mpz_get_ui(x)), static_cast<int>(exponent));
+  };
+  const long double first = number(bits, low_bits - shift);
+  const TwoParts parts{{first, whole ? 0.0L : std::fabs(first) * 0x1p-63L}, number(rest, 1 - shift)};
+  mpz_clear(bits), mpz_clear(denominator), mpz_clear(rest);
+  return parts;
 }
 
 struct ExactMap {
@@ -252,17 +264,19 @@ InstanceMap instance_map(const Scene& scene, std::uint32_t instance) {
   const ExactMap map = exact_map(result.chain);
   const ExactInverse inverse = inverse_of(map.linear);
   const Exact one(1.0);
-  const auto rounded = [](const Vec<Exact>& v, const Exact& divisor) {
-    return Vec<BoundedT>{extended(v.x, divisor), extended(v.y, divisor), extended(v.z, divisor)};
+  const auto round = [](const Vec<Exact>& v, const Exact& divisor, Vec<BoundedT>& first, Vec<long double>& rest) {
+    const TwoParts x = extended(v.x, divisor), y = extended(v.y, divisor), z = extended(v.z, divisor);
+    first = {x.first, y.first, z.first};
+    rest = {x.rest, y.rest, z.rest};
+    return glm::dvec3(static_cast<double>(x.first.value), static_cast<double>(y.first.value),
+                      static_cast<double>(z.first.value));
   };
-  result.translation = rounded(map.translation, one);
-  const auto in_double = [](const Vec<BoundedT>& v) {
-    return glm::dvec3(static_cast<double>(v.x.value), static_cast<double>(v.y.value), static_cast<double>(v.z.value));
-  };
-  result.to_world.translation = in_double(result.translation);
+  result.to_world.translation = round(map.translation, one, result.translation, result.translation_rest);
   for (std::size_t row = 0; row < 3; ++row) {
-    result.inverse_rows[row] = rounded(inverse.rows[row], inverse.scale);
-    const glm::dvec3 linear = in_double(rounded(map.linear[row], one));
+    round(inverse.rows[row], inverse.scale, result.inverse_rows[row], result.inverse_rest[row]);
+    Vec<BoundedT> first;
+    Vec<long double> rest;
+    const glm::dvec3 linear = round(map.linear[row], one, first, rest);
     for (int column = 0; column < 3; ++column) result.to_world.linear[column][static_cast<int>(row)] = linear[column];
   }
   return result;

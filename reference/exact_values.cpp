@@ -32,10 +32,11 @@ bool bounded_values(Filter& filter, const Line& world, const InstanceMap* map, c
                     ReferenceHit& hit) {
   const LineOf<BoundedT>& line = filter.wide();
   const BoundedT s = filter.s_of(solid, root), t = filter.t_of(solid, root);
-  if (!(t.error <= 0x1p-54L * std::fabs(t.value))) return false;
-  // t is the same in the world.
+  if (!std::isfinite(t.value) || !(t.error <= 0x1p-54L * std::fabs(t.value))) return false;
+  // t is the same in the world. The shifts are long and have few bits: their difference loses next to nothing.
+  const long double ratio = static_cast<long double>(filter.line().unit) / world.unit;
   const BoundedT s_world =
-      map == nullptr ? s : scaled(t, 1.0L / static_cast<long double>(world.unit)) - BoundedT(world.shift);
+      map == nullptr ? s : (scaled(BoundedT(filter.line().shift), ratio) - BoundedT(world.shift)) + scaled(s, ratio);
   const auto d = vec<BoundedT>(world.direction);
   const auto position = vec<BoundedT>(world.point) + (vec<BoundedT>(world.rest) + d * s_world);
   if (!good(position)) return false;
@@ -103,7 +104,7 @@ ReferenceHit exact_hit(const Scene& scene, const Ray& ray, const InstanceMap* ma
       const auto& columns = map->to_world.linear;
       const double stretch = glm::length(columns[0]) + glm::length(columns[1]) + glm::length(columns[2]);
       const Line world = line_near(ray, {transform_point(map->to_world, ball.center), stretch * ball.radius});
-      const LocalLine local = local_line(ray, *map, ball);
+      const LocalLine local = fine_local_line(ray, *map, ball);
       Filter filter(local, world, *map);
       hit = hit_on(filter, ray, world, map, solid);
     }

@@ -140,7 +140,7 @@ int Filter::compare_t(const Solid& a, Root root_a, const BoundedT& t_a, Filter& 
 
 double Filter::ray_t(const Solid& solid, Root root, const BoundedT& t) {
   // 2^-54 and the half ulp of rounding make less than one unit in the last place.
-  if (t.error <= 0x1p-54L * std::fabs(t.value)) return static_cast<double>(t.value);
+  if (std::isfinite(t.value) && t.error <= 0x1p-54L * std::fabs(t.value)) return static_cast<double>(t.value);
   return exact_t(decide_exactly(), solid, root);
 }
 

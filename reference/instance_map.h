@@ -18,7 +18,9 @@ struct InstanceMap {
   std::vector<Transform> chain;                 ///< the matrices, outermost first
   std::array<Vec<BoundedT>, 3> inverse_rows{};  ///< of L^-1: each number is off by at most one unit in the last place
   Vec<BoundedT> translation{};                  ///< T likewise
-  TransformD to_world;                          ///< L and T in double, likewise
+  std::array<Vec<long double>, 3> inverse_rest{};  ///< what these lack, to 2^-120 of them
+  Vec<long double> translation_rest{};
+  TransformD to_world;  ///< L and T in double, each number off by at most one unit in the last place
 };
 
 /// Of a node that holds a part. In exact.cpp.
@@ -39,6 +41,9 @@ struct LocalLine {
 /// component of o' is off by some 2^-62 |L^-1| (|o| + |T|), of d' by 2^-62 |L^-1| |d|, taken component by component.
 /// The errors in the result are computed along (Bounded).
 LocalLine local_line(const Ray& ray, const InstanceMap& map, const Ball& ball);
+/// The same, computed in 113 bits and then rounded, at several times the price: for values on primitives that are small
+/// beside their distance from the ray's origin.
+LocalLine fine_local_line(const Ray& ray, const InstanceMap& map, const Ball& ball);
 /// The same `line`, without bounds of its errors (point_error and direction_error are zero) in a third of the time.
 Line plain_local_line(const Ray& ray, const InstanceMap& map, const Ball& ball);
 
