@@ -309,9 +309,12 @@ void place_bounds(const RTCBoundsFunctionArguments* args) {
   b.align0 = b.align1 = 0.0f;
 }
 
-/// More than a part's search in 32 bits can misplace a hit: what lies that little behind the nearest hit so far is
-/// still looked at, and compared in double.
-double with_slack(double s, const Tree& tree) { return s + 0x1p-20 * (std::fabs(s) + 4.0 * tree.ball.radius); }
+/// How far a part's tree is searched: to t_max, and a little beyond the nearest hit so far, more than the search in 32
+/// bits can misplace a hit, so that doubles decide.
+double last_of(const Line& line, const Tree& tree, double best_t) {
+  const double best = best_t / line.unit - line.shift;
+  return std::min(line.t_max - line.shift, best + 0x1p-20 * (std::fabs(best) + 4.0 * tree.ball.radius));
+}
 
 void intersect_place(const RTCIntersectFunctionNArguments* args) {
   if (!args->valid[0]) return;
@@ -322,8 +325,7 @@ void intersect_place(const RTCIntersectFunctionNArguments* args) {
   const Line line =
       place.map == nullptr ? line_near(*places.ray, tree.ball) : plain_local_line(*places.ray, *place.map, tree.ball);
   RTCRayHit found;
-  const double last = std::min(line.t_max, places.best.t / line.unit) - line.shift;
-  if (!tree.prepare(line, with_slack(last, tree), found)) return;
+  if (!tree.prepare(line, last_of(line, tree, places.best.t), found)) return;
   {
     const Denormals embree(Denormals::flushed);
     Context context;
