@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <chrono>
 #include <cmath>
 #include <utility>
@@ -14,6 +13,7 @@
 #include "scenes/error.h"
 #include "tracer/gl_objects.h"
 #include "tracer/halves.h"
+#include "tracer/pass.h"
 #include "tracer/ray_order.h"
 #include "tracer/shader_words.h"
 
@@ -21,43 +21,8 @@ namespace plumbline {
 namespace {
 
 constexpr std::size_t kBatch = std::size_t{kBatchWidth} * kBatchHeight;
-constexpr int kTargets = 4;  // the last one where there are transforms
 // Primitives per brute-force pass: a quarter of the iterations that the driver's loops are known to survive.
 constexpr std::uint32_t kBruteForceRange = 16384;
-
-enum Unit { kGeometryUnit = 0, kRayUnit = 1, kStateUnit = 2 };
-
-using Words = glm::uvec4;
-
-/// What the targets hold of one pixel. `d` is null where there are no transforms.
-Hit unpack(const Words& a, const Words& b, const Words& c, const Words* d) {
-  const auto value = [](std::uint32_t word) { return std::bit_cast<float>(word); };
-  Hit hit;
-  hit.steps = a.z;
-  hit.primitive_tests = a.w;
-  hit.transforms = d != nullptr ? d->y : 0;
-  switch (a.x & 7u) {
-    case kWordHit:
-      hit.kind = HitKind::hit;
-      hit.primitive = a.x >> 3;
-      hit.instance = d != nullptr ? d->x - 1u : kNone;  // 0: the world
-      hit.t = value(a.y);
-      hit.position = {value(b.x), value(b.y), value(b.z)};
-      hit.normal = {value(c.x), value(c.y), value(c.z)};
-      hit.barycentrics = {value(b.w), value(c.w)};
-      break;
-    case kWordMiss:
-      hit.kind = HitKind::miss;
-      break;
-    case kWordUndefined:
-      hit.kind = HitKind::undefined;
-      break;
-    default:
-      hit.kind = HitKind::capped;
-      break;
-  }
-  return hit;
-}
 
 }  // namespace
 
@@ -69,15 +34,13 @@ struct Probe::Impl {
   std::vector<ShaderPatch> patches;
   std::vector<std::pair<ProgramVariant, GlProgram>> programs;
   GlTexture geometry, rays, state;
-  std::array<GlTexture, kTargets> targets;
+  std::array<GlTexture, kPassTargets> targets;
   GlFramebuffer plain_framebuffer, framebuffer;  // without the last target, with it
-  int target_count = kTargets - 1;
+  int target_count = kPassTargets - 1;
   // Of the image: what its programs are, how many primitives it has, and the constants of pass_constants.glsl.
   std::array<ProgramVariant, 2> variants;  // of the first pass, of the passes after it
   std::uint32_t primitive_count = 0;
-  glm::vec4 ball{0.0f}, factor{0.0f};
-  glm::ivec4 shape{0}, walk{0}, transforms{0};
-  int scale_exponent = 0;
+  PassConstants constants;
   bool is_linear = false;
   std::uint64_t uploaded = 0;
   Ball world_ball;
@@ -86,8 +49,8 @@ struct Probe::Impl {
 
   // Host copies of a batch.
   std::vector<glm::vec4> ray_texels;
-  std::vector<Words> state_texels;
-  std::array<std::vector<Words>, kTargets> results;
+  std::vector<PassWords> state_texels;
+  std::array<std::vector<PassWords>, kPassTargets> results;
 
   Impl(GlContext& c, Traversal t, std::span<const ShaderPatch> p)
       : context(&c), traversal(t), patches(p.begin(), p.end()) {
@@ -95,8 +58,8 @@ struct Probe::Impl {
     rays = GlTexture::linear(c, ray_texels);
     for (GlTexture& target : targets)
       target = GlTexture(c, GL_RGBA32UI, GL_RGBA_INTEGER, GL_UNSIGNED_INT, kBatchWidth, kBatchHeight);
-    plain_framebuffer = GlFramebuffer(c, targets.data(), kTargets - 1);
-    framebuffer = GlFramebuffer(c, targets.data(), kTargets);
+    plain_framebuffer = GlFramebuffer(c, targets.data(), kPassTargets - 1);
+    framebuffer = GlFramebuffer(c, targets.data(), kPassTargets);
     for (auto& result : results) result.resize(kBatch);
   }
 
@@ -111,39 +74,24 @@ struct Probe::Impl {
   }
 
   void set_image(const GeometryImage& image) {
-    if (std::max(image.width, image.height) > context->max_texture_size()) {
-      throw InputError("the geometry image of " + image.scene_name + " is " + std::to_string(image.width) + " x " +
-                       std::to_string(image.height) + " texels, but textures of this OpenGL driver (" +
-                       context->renderer() + ") end at " + std::to_string(context->max_texture_size()) +
-                       "; bake with links `threaded` or a smaller scene");
-    }
+    require_fitting_image(*context, image);
     for (const bool thorough : {false, true}) {
       variants[thorough] = program_variant(image, traversal == Traversal::brute_force, thorough);
     }
     program(variants[0]);
     geometry = {};  // the old image goes first: two large ones need not fit
-    geometry = image.options.layout == Layout::compact
-                   ? GlTexture::linear(*context, image.texels)
-                   : GlTexture(*context, GL_RGBA32F, GL_RGBA, GL_FLOAT, image.width, image.height, image.texels.data());
+    geometry = upload_image(*context, image);
     uploaded = image.texels.size();
     is_linear = image.options.layout == Layout::compact;
     set_constants(image);
   }
 
   void set_constants(const GeometryImage& image) {
-    const auto integer = [](std::uint32_t value) { return static_cast<int>(value); };
     primitive_count = image.primitive_count;
-    scale_exponent = image.scale_exponent;
-    target_count = image.transform_count > 0 ? kTargets : kTargets - 1;
-    ball = glm::vec4(image.center, image.radius);
+    constants = pass_constants(image);
+    target_count = image.transform_count > 0 ? kPassTargets : kPassTargets - 1;
     const double to_world = std::ldexp(1.0, -image.scale_exponent);
     world_ball = {glm::dvec3(image.center) * to_world, image.radius * to_world};
-    factor = glm::vec4(1.0f, 1.0f / static_cast<float>(image.width), 1.0f / static_cast<float>(image.height), 0.0f);
-    shape = {image.width - 1, std::countr_zero(static_cast<unsigned>(image.width)), integer(image.primitive_start),
-             integer(image.primitive_count)};
-    walk = {integer(image.copy_size), image.copy_count == 8 ? 7 : 0, (1 << image.payload_bits) - 1,
-            integer(image.cell_count)};
-    transforms = {integer(image.transform_start), integer(image.transform_count), integer(image.world_primitives), 0};
   }
 
   /// Uploads what update_transforms has changed, and no other texels.
@@ -182,7 +130,8 @@ struct Probe::Impl {
   void upload_state(int rows) {
     const GlFunctions& gl = context->use();
     if (!state)
-      state = GlTexture(*context, GL_RGBA32UI, GL_RGBA_INTEGER, GL_UNSIGNED_INT, kTargets * kBatchWidth, kBatchHeight);
+      state =
+          GlTexture(*context, GL_RGBA32UI, GL_RGBA_INTEGER, GL_UNSIGNED_INT, kPassTargets * kBatchWidth, kBatchHeight);
     state_texels.resize(static_cast<std::size_t>(target_count * kBatchWidth * rows));
     state.bind(kStateUnit);
     gl.TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, target_count * kBatchWidth, rows, GL_RGBA_INTEGER, GL_UNSIGNED_INT,
@@ -198,16 +147,8 @@ struct Probe::Impl {
     rays.bind(kRayUnit);
     if (state) state.bind(kStateUnit);
     pass.use();
-    pass.set("u_geometry", kGeometryUnit);
-    pass.set("u_rays", kRayUnit);
-    pass.set("u_state", kStateUnit);
-    pass.set("u_ball", ball);
-    pass.set("u_factor", factor);
-    pass.set("u_image", shape);
-    pass.set("u_walk", walk);
-    pass.set("u_transforms", transforms);
-    pass.set("u_range", glm::ivec4(scale_exponent, resume ? 1 : 0, static_cast<int>(range_end), 0));
-    gl.BindFramebuffer(GL_FRAMEBUFFER, (target_count == kTargets ? framebuffer : plain_framebuffer).name());
+    set_pass(pass, constants, {constants.scale_exponent, resume ? 1 : 0, static_cast<int>(range_end), 0});
+    gl.BindFramebuffer(GL_FRAMEBUFFER, (target_count == kPassTargets ? framebuffer : plain_framebuffer).name());
     gl.Disable(GL_DITHER);
     const auto start = Clock::now();
     pass.draw(kBatchWidth, rows);
@@ -272,8 +213,8 @@ struct Probe::Impl {
     if ((results[0][pixel].x & 7u) == kWordUnfinished) {
       open.push_back({ray, pixel});
     } else {
-      hits[ray] = unpack(results[0][pixel], results[1][pixel], results[2][pixel],
-                         target_count == kTargets ? &results[3][pixel] : nullptr);
+      hits[ray] = unpack_hit(results[0][pixel], results[1][pixel], results[2][pixel],
+                             target_count == kPassTargets ? &results[3][pixel] : nullptr);
     }
   }
 };

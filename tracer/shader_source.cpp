@@ -66,6 +66,24 @@ std::string compile_log(const GlFunctions& gl, GLuint object, bool is_program) {
   return log;
 }
 
+void add_capture_defines(std::vector<ShaderDefine>& defines) {
+  defines.emplace_back("CAPTURE", "");
+  defines.emplace_back("CAPTURE_PIXELS", std::to_string(kCapturePixels));
+  defines.emplace_back("CAPTURE_GOES_ON", std::to_string(kCaptureGoesOn));
+  const std::pair<const char*, std::uint32_t> words[] = {{"CAPTURE_RAY", kCaptureRay},
+                                                         {"CAPTURE_NODE", kCaptureNode},
+                                                         {"CAPTURE_PRIMITIVE", kCapturePrimitive},
+                                                         {"CAPTURE_EDGE_ON", kCaptureEdgeOn},
+                                                         {"CAPTURE_ENTER", kCaptureEnter},
+                                                         {"CAPTURE_LEAVE", kCaptureLeave},
+                                                         {"CAPTURE_HIT", kCaptureHit},
+                                                         {"CAPTURE_MISSES", kCaptureMisses},
+                                                         {"CAPTURE_PENDING", kCapturePending},
+                                                         {"CAPTURE_ACCEPTED", kCaptureAccepted},
+                                                         {"CAPTURE_SPHERE", kCaptureSphere}};
+  for (const auto& [name, value] : words) defines.emplace_back(name, std::to_string(value) + "u");
+}
+
 GLuint compile(const GlFunctions& gl, GLenum stage, const ShaderText& shader) {
   const GLuint object = gl.CreateShader(stage);
   const char* text = shader.text.c_str();
@@ -160,7 +178,8 @@ ProgramVariant program_variant(const GeometryImage& image, bool brute_force, boo
           brute_force,
           thorough,
           image.transform_count > 0,
-          image.transform_count > 0 && image.options.transform_out == TransformOut::inverse};
+          image.transform_count > 0 && image.options.transform_out == TransformOut::inverse,
+          false};
 }
 
 ShaderText probe_fragment_shader(const ProgramVariant& variant, std::span<const ShaderPatch> patches,
@@ -191,12 +210,15 @@ ShaderText probe_fragment_shader(const ProgramVariant& variant, std::span<const 
   if (variant.has_transforms) defines.emplace_back("HAS_TRANSFORMS", "");
   if (variant.out_inverse) defines.emplace_back("OUT_INVERSE", "");
   if (variant.bounds == Bounds::aabb) defines.emplace_back("BOUNDS_AABB", "");
+  if (variant.capture) add_capture_defines(defines);
   defines.emplace_back("PASS_CONSTANT", "flat in");
-  std::vector<std::string_view> files{
-      "pass_constants.glsl", "exact.glsl",     "ray_prepare.glsl",
-      "triangle.glsl",       "sphere.glsl",    compact ? "image_compact.glsl" : "image_paper.glsl",
-      "walk_state.glsl",     "candidate.glsl", "bounds.glsl"};
+  std::vector<std::string_view> files;
+  for (const char* file :
+       {"pass_constants.glsl", "exact.glsl", "ray_prepare.glsl", "capture_event.glsl", "triangle.glsl", "sphere.glsl",
+        compact ? "image_compact.glsl" : "image_paper.glsl", "walk_state.glsl", "candidate.glsl", "bounds.glsl"})
+    if (variant.capture || file != std::string_view("capture_event.glsl")) files.emplace_back(file);
   if (variant.has_transforms) files.emplace_back("transform.glsl");
+  if (variant.capture) files.emplace_back("capture_walk.glsl");
   files.emplace_back(variant.brute_force ? "brute_force.glsl" : (compact ? "walk_compact.glsl" : "walk_paper.glsl"));
   if (variant.has_transforms && !variant.brute_force) files.emplace_back("change_space.glsl");
   files.emplace_back("probe.frag.glsl");

@@ -52,6 +52,7 @@ struct ProgramVariant {
   bool thorough = false;
   bool has_transforms = false;
   bool out_inverse = false;  ///< of transforms
+  bool capture = false;      ///< keeps what happens on the walk (walk_trace.h); else nothing of that is in the text
   bool operator==(const ProgramVariant&) const = default;
 };
 ProgramVariant program_variant(const GeometryImage& image, bool brute_force, bool thorough);

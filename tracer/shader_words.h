@@ -27,4 +27,14 @@ inline constexpr double kNoLabel = 33554432.0;
 inline constexpr std::uint32_t kWordMiss = 0, kWordHit = 1, kWordUndefined = 2, kWordCapped = 3;
 inline constexpr std::uint32_t kWordUnfinished = 4;  ///< the words hold the state of a walk that must go on
 
+/// Of a capturing pass (walk_trace.h): its pixels, all but the last of which keep an event, and the event's kind in the
+/// low three bits of its first word.
+inline constexpr int kCaptureWidth = 512, kCaptureHeight = 2;
+inline constexpr int kCapturePixels = kCaptureWidth * kCaptureHeight;
+inline constexpr std::uint32_t kCaptureRay = 1, kCaptureNode = 2, kCapturePrimitive = 3, kCaptureEdgeOn = 4,
+                               kCaptureEnter = 5, kCaptureLeave = 6;
+inline constexpr std::uint32_t kCaptureHit = 8, kCaptureMisses = 8;  ///< flags beside it
+inline constexpr std::uint32_t kCapturePending = 16, kCaptureAccepted = 32, kCaptureSphere = 64;
+inline constexpr int kCaptureGoesOn = 2;  ///< where 1 stands for a resumed walk: one whose pass was full of events
+
 }  // namespace plumbline

@@ -12,6 +12,9 @@ vec3 slab_inverse(vec3 d) {
 bool meets_box(vec3 lower, vec3 upper, vec3 inverse) {
   vec3 t0 = (lower - ray.o) * inverse, t1 = (upper - ray.o) * inverse;
   vec3 enter = min(t0, t1), leave = max(t0, t1);
+#ifdef CAPTURE
+  capture_slabs(enter, leave);
+#endif
   return max(max(enter.x, enter.y), max(enter.z, 0.0)) <= min(min(leave.x, leave.y), min(leave.z, nearest.t));
 }
 #else
@@ -19,6 +22,9 @@ bool meets_box(vec3 lower, vec3 upper, vec3 inverse) {
 float distance2_to_segment(vec3 center) {
   vec3 m = center - ray.o;
   vec3 f = m - clamp(dot(m, ray.dn), 0.0, nearest.t) * ray.d;
+#ifdef CAPTURE
+  capture_sphere(m, f);
+#endif
   return dot(f, f);
 }
 #endif

@@ -53,6 +53,28 @@ void offer(bool hit, float t, float label, int address, vec2 weights) {
 }
 #endif
 
+#ifdef CAPTURE
+// Keeps a primitive's test; `before` is the nearest hit as it was until then.
+void capture_primitive(uint kind, bool hit, bool pending, float t, float label, int address, vec2 weights,
+                       Nearest before) {
+#ifdef HAS_TRANSFORMS
+  float bound = before.t_world, now = nearest.t_world;
+  int space = walk.space;
+  bool accepted = nearest.space != before.space;
+#else
+  float bound = before.t, now = nearest.t;
+  int space = -1;
+  bool accepted = false;
+#endif
+  accepted = accepted || now != bound || nearest.label != before.label;
+  bool is_sphere = primitive_1(address).w == KIND_SPHERE;
+  uint flags = (is_sphere ? CAPTURE_SPHERE : 0u) + (hit ? CAPTURE_HIT : 0u) + (pending ? CAPTURE_PENDING : 0u) + (accepted ? CAPTURE_ACCEPTED : 0u);
+  capture_event(uvec4(kind + flags, walk.steps, address, floatBitsToUint(label)),
+                uvec4(floatBitsToUint(t), floatBitsToUint(weights), floatBitsToUint(ray.t_low)),
+                floatBitsToUint(is_sphere ? captured.sphere : captured.numbers), uvec3(space, floatBitsToUint(bound), floatBitsToUint(now)));
+}
+#endif
+
 // Tests the primitive at an address. Returns its label: negative on the last of a cluster.
 float test_primitive(int address) {
   vec4 p0 = primitive_0(address), p1 = primitive_1(address);
@@ -81,9 +103,15 @@ float test_primitive(int address) {
   vec2 weights = vec2(0.0);
 #endif
 #endif
+#ifdef CAPTURE
+  Nearest before = nearest;
+#endif
   offer(hit, t, label, address, weights);
 #ifdef HAS_TRIANGLES
   if (pending) nearest.pending = address;
+#endif
+#ifdef CAPTURE
+  capture_primitive(CAPTURE_PRIMITIVE, hit, nearest.pending == address, t, p0.w, address, weights, before);
 #endif
   return p0.w;
 }
@@ -96,7 +124,14 @@ void resolve_pending() {
   int address = max(nearest.pending, 0);
   vec4 p0 = primitive_0(address);
   TriangleHit triangle = resolve_edge_on(p0.xyz, primitive_1(address).xyz, primitive_2(address).xyz);
+#ifdef CAPTURE
+  Nearest before = nearest;
+#endif
   offer(triangle.inside && nearest.pending >= 0, triangle.t, abs(p0.w), address, triangle.weights);
+#ifdef CAPTURE
+  if (before.pending >= 0)
+    capture_primitive(CAPTURE_EDGE_ON, triangle.inside, false, triangle.t, p0.w, address, triangle.weights, before);
+#endif
 #endif
   nearest.pending = -1;
 }

@@ -20,6 +20,9 @@ void change_space() {
       walk.space = node;
       start_region(int(record_texel(node, 4).w), int(record_texel(node, 5).w));
       leaves = ray.misses;  // of what stands there: out again
+#ifdef CAPTURE
+      capture_ray(CAPTURE_ENTER, node, ray.misses, bound_of(nearest.t_world));
+#endif
     }
   }
   if (leaves) {
@@ -48,4 +51,7 @@ void change_space() {
 #endif
   }
   if (enters || leaves) nearest.t = bound_of(nearest.t_world);
+#ifdef CAPTURE
+  if (leaves) capture_ray(CAPTURE_LEAVE, node, false, nearest.t);
+#endif
 }

@@ -6,5 +6,5 @@ PASS_CONSTANT vec4 pass_ball;    // the scene's ball in image units: centre, rad
 PASS_CONSTANT vec4 pass_factor;  // 1 (which the compiler can't know), 1 / image width, 1 / image height, 0
 PASS_CONSTANT ivec4 pass_image;  // image width - 1, log2(image width), where primitives start, how many there are
 PASS_CONSTANT ivec4 pass_walk;   // size of a copy of the tree, 7 or 0 (a copy per octant or one), payload mask, step limit
-PASS_CONSTANT ivec4 pass_range;  // image units = world units * 2^this; 1 where walks are resumed; end of the primitives of a brute-force pass; 0
-PASS_CONSTANT ivec4 pass_transforms;  // where records start, how many there are, primitives of the world, 0
+PASS_CONSTANT ivec4 pass_range;  // image units = world units * 2^this; 1 where walks are resumed; end of the primitives of a brute-force pass; first event of a capturing pass
+PASS_CONSTANT ivec4 pass_transforms;  // where records start, how many there are, primitives of the world, events of a capturing pass

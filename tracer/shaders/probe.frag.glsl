@@ -67,6 +67,13 @@ void start_or_resume(ivec2 pixel) {
     walk.transforms = int(s3.w);
     derive_ray(walk.space);
     nearest.t = bound_of(nearest.t_world);
+#ifdef CAPTURE
+    if (pass_range.y == CAPTURE_GOES_ON) {
+      restore_ray(u_state, at + ivec2(STATE_TEXELS, 0));
+      // As it was: bound_of is its only change after the start.
+      nearest.t = walk.transforms == 0 && nearest.label == NO_LABEL ? nearest.t_world : bound_of(nearest.t_world);
+    }
+#endif
 #endif
   }
 #ifdef HAS_TRANSFORMS
@@ -151,10 +158,18 @@ bool write_result(float t_max) {
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   int number = pixel.y * BATCH_WIDTH + pixel.x;
+#ifdef CAPTURE
+  start_capture(number);
+  number = 0;
+  pixel = ivec2(0);
+#endif
   vec4 origin_and_end = ray_texel(2 * number);
   vec4 direction = ray_texel(2 * number + 1);
   prepare_ray(origin_and_end.xyz, direction.xyz, origin_and_end.w);
   start_or_resume(pixel);
+#ifdef CAPTURE
+  if (pass_range.y != CAPTURE_GOES_ON) capture_ray(CAPTURE_RAY, -1, ray.misses, nearest.t);
+#endif
 
 #ifdef HAS_TRANSFORMS
   bool is_walking = !walk.ended && !ray.cut;
@@ -171,6 +186,9 @@ void main() {
       is_walking = !walk.ended && !walk.stalled && walk.steps < pass_walk.w;
 #ifndef THOROUGH
       is_walking = is_walking && nearest.pending < 0;
+#endif
+#ifdef CAPTURE
+      is_walking = is_walking && !capture_is_full();
 #endif
     }
   }
@@ -189,6 +207,9 @@ void main() {
   // A ray that waits for a triangle seen edge-on, comes from very far, or whose loops the driver has ended, goes on in another pass with
   // the thorough program: what is rare costs the others nothing there, since this driver runs both sides of every `if`.
   bool unfinished = nearest.pending >= 0 || (!walk.ended && walk.steps < pass_walk.w);
+#ifdef CAPTURE
+  write_captured(unfinished);
+#endif
   bool complete = write_result(origin_and_end.w);
   if (unfinished || !complete) write_unfinished();
 }

@@ -10,6 +10,9 @@ bool intersect_sphere(vec3 center, float radius, out float t) {
   float half_chord = sqrt(max(rest, 0.0) * ray.inverse_d2);
   float enter = foot - half_chord;
   t = enter > ray.t_low ? enter : foot + half_chord;
+#ifdef CAPTURE
+  captured.sphere = vec4(foot, half_chord, rest, 0.0);
+#endif
   return rest >= 0.0;
 }
 

@@ -30,6 +30,9 @@ TriangleHit intersect_triangle(vec3 corner_a, vec3 corner_b, vec3 corner_c) {
   hit.edge_on = abs(det) < max(EDGE_ON * far2, LEAST_DET);
   hit.t = (((u * a.z + v * b.z) + w * c.z) * inverse) * ray.shear.z;
   hit.weights = vec2(v, w) * inverse;
+#ifdef CAPTURE
+  captured.numbers = vec4(u, v, w, det);
+#endif
   return hit;
 }
 
@@ -50,6 +53,9 @@ TriangleHit resolve_edge_on(vec3 corner_a, vec3 corner_b, vec3 corner_c) {
   hit.edge_on = false;
   hit.t = ((weights.x * a.z + weights.y * b.z) + weights.z * c.z) * ray.shear.z;
   hit.weights = weights.yz;
+#ifdef CAPTURE
+  captured.numbers = vec4(u, v, w, det);
+#endif
   return hit;
 }
 

@@ -44,8 +44,14 @@ void walk_tree() {
       bool is_hit = distance2 <= abs(node.w);
       leaf_is_hit = distance2 <= -node.w;
 #endif
+#ifdef CAPTURE
+      capture_node(ivec2(at, 0), is_hit, node.w, vec2(0.0), nearest.t);
+#endif
       if (leaf_is_hit || walk.steps >= pass_walk.w) break;
       at += is_hit || word < 0 ? NODE_TEXELS : word & pass_walk.z;
+#ifdef CAPTURE
+      if (capture_is_full()) break;
+#endif
     }
     bool is_end = word == END_WORD;
     bool in_cluster = leaf_is_hit && !is_end;
@@ -76,6 +82,9 @@ void walk_tree() {
     if (walk.ended || nearest.pending >= 0 || walk.steps >= pass_walk.w) break;
 #ifdef HAS_TRANSFORMS
     if (walk.request != REQUEST_NONE) break;
+#endif
+#ifdef CAPTURE
+    if (capture_is_full()) break;
 #endif
   }
   walk.at.x = at;

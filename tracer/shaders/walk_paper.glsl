@@ -58,8 +58,14 @@ void walk_tree() {
       bool is_hit = distance2_to_segment(node.xyz) <= node.w;
 #endif
       geometry = is_hit ? links.xy : links.zw;
+#ifdef CAPTURE
+      capture_node(floatBitsToInt(at), is_hit, node.w, geometry, nearest.t);
+#endif
       if (geometry.x < 0.0 || walk.steps >= pass_walk.w) break;
       at = geometry;
+#ifdef CAPTURE
+      if (capture_is_full()) break;
+#endif
     }
     // Processing geometry.
     bool in_cluster = geometry.x < 0.0 && geometry.x >= float(LINK_SPHERE);
@@ -86,6 +92,9 @@ void walk_tree() {
       if (at.x < 0.0) end_region();
     }
     if (nearest.pending >= 0 || walk.steps >= pass_walk.w) break;
+#ifdef CAPTURE
+    if (capture_is_full()) break;
+#endif
   }
   walk.at = floatBitsToInt(at);
 }

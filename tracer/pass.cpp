@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+#include "tracer/pass.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "scenes/error.h"
+#include "tracer/shader_words.h"
+
+namespace plumbline {
+
+PassConstants pass_constants(const GeometryImage& image) {
+  const auto integer = [](std::uint32_t value) { return static_cast<int>(value); };
+  PassConstants c;
+  c.scale_exponent = image.scale_exponent;
+  c.ball = glm::vec4(image.center, image.radius);
+  c.factor = glm::vec4(1.0f, 1.0f / static_cast<float>(image.width), 1.0f / static_cast<float>(image.height), 0.0f);
+  c.shape = {image.width - 1, std::countr_zero(static_cast<unsigned>(image.width)), integer(image.primitive_start),
+             integer(image.primitive_count)};
+  c.walk = {integer(image.copy_size), image.copy_count == 8 ? 7 : 0, (1 << image.payload_bits) - 1,
+            integer(image.cell_count)};
+  c.transforms = {integer(image.transform_start), integer(image.transform_count), integer(image.world_primitives), 0};
+  return c;
+}
+
+void set_pass(const GlProgram& program, const PassConstants& constants, const glm::ivec4& range) {
+  program.set("u_geometry", kGeometryUnit);
+  program.set("u_rays", kRayUnit);
+  program.set("u_state", kStateUnit);
+  program.set("u_ball", constants.ball);
+  program.set("u_factor", constants.factor);
+  program.set("u_image", constants.shape);
+  program.set("u_walk", constants.walk);
+  program.set("u_transforms", constants.transforms);
+  program.set("u_range", range);
+}
+
+void require_fitting_image(GlContext& context, const GeometryImage& image) {
+  if (std::max(image.width, image.height) > context.max_texture_size()) {
+    throw InputError("the geometry image of " + image.scene_name + " is " + std::to_string(image.width) + " x " +
+                     std::to_string(image.height) + " texels, but textures of this OpenGL driver (" +
+                     context.renderer() + ") end at " + std::to_string(context.max_texture_size()) +
+                     "; bake with links `threaded` or a smaller scene");
+  }
+}
+
+GlTexture upload_image(GlContext& context, const GeometryImage& image) {
+  if (image.options.layout == Layout::compact) return GlTexture::linear(context, image.texels);
+  return GlTexture(context, GL_RGBA32F, GL_RGBA, GL_FLOAT, image.width, image.height, image.texels.data());
+}
+
+Hit unpack_hit(const PassWords& a, const PassWords& b, const PassWords& c, const PassWords* d) {
+  const auto value = [](std::uint32_t word) { return std::bit_cast<float>(word); };
+  Hit hit;
+  hit.steps = a.z;
+  hit.primitive_tests = a.w;
+  hit.transforms = d != nullptr ? d->y : 0;
+  switch (a.x & 7u) {
+    case kWordHit:
+      hit.kind = HitKind::hit;
+      hit.primitive = a.x >> 3;
+      hit.instance = d != nullptr ? d->x - 1u : kNone;  // 0: the world
+      hit.t = value(a.y);
+      hit.position = {value(b.x), value(b.y), value(b.z)};
+      hit.normal = {value(c.x), value(c.y), value(c.z)};
+      hit.barycentrics = {value(b.w), value(c.w)};
+      break;
+    case kWordMiss:
+      hit.kind = HitKind::miss;
+      break;
+    case kWordUndefined:
+      hit.kind = HitKind::undefined;
+      break;
+    default:
+      hit.kind = HitKind::capped;
+      break;
+  }
+  return hit;
+}
+
+}  // namespace plumbline
