@@ -3,13 +3,19 @@
 // schema's keys.
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <fstream>
 #include <map>
+#include <nlohmann/json.hpp>
+#include <valijson/adapters/nlohmann_json_adapter.hpp>
+#include <valijson/schema.hpp>
+#include <valijson/schema_parser.hpp>
+#include <valijson/validator.hpp>
 
 #include "scenes/camera.h"
 #include "scenes/generate.h"
-#include "scenes/json_document.h"
+#include "scenes/read.h"
+#include "scenes/test_files.h"
 #include "scenes/text_file.h"
-#include "scenes/topology.h"
 
 using namespace plumbline;
 
@@ -137,9 +143,8 @@ TEST_CASE("Shipped scenes are what their names say") {
   CHECK(figure.effects.glossy > 0.0f);
 }
 
-TEST_CASE("The crowd loads at once, and its nodes are those that the jitter makes on every machine") {
+TEST_CASE("The crowd stands in a square, row by row, within its jitter") {
   const Scene crowd = load_scene("crowd");
-  // Hand-made from the random numbers of the first copy: translation, turn, scale.
   CHECK(crowd.nodes[0].name == "creature.0");
   CHECK(crowd.nodes[9999].name == "creature.9999");
   for (std::uint32_t n = 0; n < crowd.nodes.size(); ++n) {
@@ -152,14 +157,43 @@ TEST_CASE("The crowd loads at once, and its nodes are those that the jitter make
   }
 }
 
-TEST_CASE("The schema is JSON and names every key that the shipped scenes use at the top") {
-  const std::string text = read_text_file("scenes/scene.schema.json");
-  const JsonDocument schema = parse_json("scene.schema.json", text);
-  const JsonPlace properties = JsonPlace(schema).need("properties");
+TEST_CASE("Shipped scenes and the documentation's example keep to the schema, and the example reads") {
+  std::ifstream schema_file("scenes/scene.schema.json");
+  valijson::Schema schema;
+  valijson::SchemaParser parser;
+  const nlohmann::json schema_json = nlohmann::json::parse(schema_file);
+  parser.populateSchema(valijson::adapters::NlohmannJsonAdapter(schema_json), schema);
+  const auto keeps_to_schema = [&](const std::string& text) {
+    const nlohmann::json json = nlohmann::json::parse(text, nullptr, true, true);
+    const valijson::adapters::NlohmannJsonAdapter adapter(json);
+    return valijson::Validator().validate(schema, adapter, nullptr);
+  };
   for (const std::string& name : shipped_scenes()) {
-    const std::string content = read_text_file("scenes/" + name + ".json");
-    const JsonDocument document = parse_json(name, content);
-    const JsonPlace root(document);
-    for (std::size_t i = 0; i < root.size(); ++i) CHECK(properties.find(root.key(i)).has_value());
+    INFO(name);
+    const std::string text = read_text_file("scenes/" + name + ".json");
+    CHECK(keeps_to_schema(text));
+    std::string misspelt = text;
+    misspelt.replace(misspelt.find("\"nodes\""), 7, "\"nodez\"");
+    CHECK_FALSE(keeps_to_schema(misspelt));
   }
+  const std::string page = read_text_file("scenes/SCENE_FILES.md");
+  const std::size_t start = page.find("```jsonc\n") + 9, end = page.find("```", start);
+  const std::string example = page.substr(start, end - start);
+  CHECK(keeps_to_schema(example));
+  const TemporaryFolder folder;
+  folder.write("bunny.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  folder.write("car.json", R"({"world": [{"source": "cube"}]})");
+  const Scene scene = read_scene(folder.write("example.json", example));
+  CHECK(instances_of(scene).size() == 1 + 2 + 10'000);
+  CHECK(scene.animation.size() == 1);
+}
+
+TEST_CASE("Shipped scenes are found from anywhere, and files go before them") {
+  const std::filesystem::path before = std::filesystem::current_path();
+  const TemporaryFolder folder;
+  std::filesystem::current_path(folder.path());
+  const std::size_t nodes = load_scene("nested").nodes.size();
+  std::filesystem::current_path(before);
+  CHECK(nodes == 36);
+  CHECK_THROWS_WITH(load_scene("nestet"), Catch::Contains("scenes are around_eye, crowd, "));
 }
