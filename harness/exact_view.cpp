@@ -87,6 +87,11 @@ bool ExactView::is_other_root(const Crossing& c, double t) const {
   return std::abs(t - other) < std::abs(t - c.t) && !(std::abs(t - c.t) <= dt(c));
 }
 
+double ExactView::meant_t(const Crossing& c, double answered_t) const {
+  if (!is_other_root(c, answered_t)) return c.t;
+  return c.t == c.t_enter ? c.t_leave : c.t_enter;
+}
+
 std::optional<Relaxation> ExactView::explained(const Answer& answer) const {
   Relaxation worst;
   const auto use = [&](double amount, double bound) {
@@ -100,12 +105,9 @@ std::optional<Relaxation> ExactView::explained(const Answer& answer) const {
     const Crossing* c = find(answer);
     if (!c) return std::nullopt;
     t_bound = dt(*c);
-    t = c->t;
-    if (is_other_root(*c, answer.t)) {
-      // The near root lies within rounding of the origin, and was taken for valid, or for behind it.
-      if (!use(std::abs(c->t_enter) * length_, t_bound * length_)) return std::nullopt;
-      t = c->t == c->t_enter ? c->t_leave : c->t_enter;
-    }
+    t = meant_t(*c, answer.t);
+    // The near root lies within rounding of the origin, and was taken for valid, or for behind it.
+    if (t != c->t && !use(std::abs(c->t_enter) * length_, t_bound * length_)) return std::nullopt;
     if (!c->on_line && !use(-c->margin, lateral(*c))) return std::nullopt;
     if (!(t > 0.0) && !use(-t * length_, t_bound * length_)) return std::nullopt;
     if (t > ray_.t_max && !use((t - ray_.t_max) * length_, t_bound * length_)) return std::nullopt;
@@ -128,7 +130,7 @@ std::optional<Relaxation> ExactView::explained(const Answer& answer) const {
 
 const Crossing* ExactView::leaked(const Answer& answer) const {
   double t = std::numeric_limits<double>::infinity();
-  if (const Crossing* c = find(answer)) t = c->t - dt(*c);
+  if (const Crossing* c = find(answer)) t = meant_t(*c, answer.t) - dt(*c);
   const auto surface_of = [&](const Crossing& c) {
     return Surface{c.instance, judge_.topology->component[c.primitive]};
   };
@@ -214,7 +216,7 @@ std::string ExactView::value_error_beside(const Hit& hit) const {
     return value_outside_bound(value_bounds(judge_.bounds, placed, hit.primitive, truth.t), hit, truth);
   }
   const ValueBounds b = values(*c);
-  const double t = is_other_root(*c, hit.t) ? (c->t == c->t_enter ? c->t_leave : c->t_enter) : c->t;
+  const double t = meant_t(*c, hit.t);
   const bool overflow = std::isinf(hit.t) && t + b.t > static_cast<double>(std::numeric_limits<float>::max());
   if (!overflow && !(std::abs(hit.t - t) <= b.t + kSmallest)) return "its t is not that of the primitive";
   const glm::dvec3 at = glm::dvec3(ray_.origin) + t * glm::dvec3(ray_.direction);

@@ -94,6 +94,8 @@ class ExactView {
 
  private:
   double dt(const Crossing& c) const { return values(c).t; }
+  /// t of the root that an answer means.
+  double meant_t(const Crossing& c, double answered_t) const;
   bool any_hit() const;
   bool is_in_closed_surface(const Crossing& c) const;
   int side_of(const Crossing& c) const;
