@@ -330,4 +330,19 @@ TEST_CASE("transforms nest as deep as the tracer says, and no deeper", "[transfo
   CHECK_THROWS_AS(bake(scene), InputError);
 }
 
+// A walk left a cluster before its end, at a triangle seen edge-on, and took the rest of it for done in another
+// instance of the same part (found by transforms.variants.around_eye).
+TEST_CASE("a cluster left early in one instance is whole in the next", "[transform]") {
+  const Scene scene = load_scene("around_eye");
+  const Ray ray{{0x1.83c2fp+0f, -0x1.9673d4p+0f, -0x1.b53644p+1f}, {0x1.9580b8p-1f, -0x1.0ca17cp-7f, 0x1.388f68p-1f}};
+  const Hit truth = traced(bake(scene), {ray}, Traversal::brute_force)[0];
+  REQUIRE(truth.kind == HitKind::hit);
+  for (const Layout layout : {Layout::compact, Layout::paper})
+    for (const Links links : {Links::octant, Links::threaded}) {
+      BakeOptions options;
+      options.layout = layout, options.links = links;
+      CHECK(same_answer(traced(bake(scene, options), {ray})[0], truth));
+    }
+}
+
 }  // namespace plumbline

@@ -17,6 +17,7 @@ void change_space() {
     if (is_late) --walk.steps;  // the leaf will be visited again
     if (!is_late) {
       ++walk.transforms;
+      walk.cluster_at = -1;  // the same cluster may have been left before its end in another instance
       walk.space = node;
       start_region(int(record_texel(node, 4).w), int(record_texel(node, 5).w));
       leaves = ray.misses;  // of what stands there: out again
