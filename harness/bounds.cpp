@@ -77,6 +77,9 @@ constexpr double kFlush = 0x1p-123;
 /// Keeps what is meant to be smaller smaller, in spite of double rounding.
 constexpr double kLess = 1.0 - 0x1p-40;
 
+/// Unit vectors are no farther apart, but for the rounding of their lengths.
+constexpr double kMostApart = 2.0 + 8.0 * u;
+
 constexpr double kRootOf3 = 1.7320508075688774;
 
 double square(double x) { return x * x; }
@@ -232,7 +235,7 @@ void leave(const BoundsContext& c, const PlacedRay& ray, const glm::dvec3& posit
   const double share =
       (c.spaces.instances[ray.instance].inverse_stretch * b.normal + leaving.normal) / leaving.normal_world_length +
       4.0 * u;
-  b.normal = share < 1.0 ? std::min(2.0, share / (1.0 - 0.5 * share)) : 2.0;
+  b.normal = share < 1.0 ? std::min(kMostApart, share / (1.0 - 0.5 * share)) : kMostApart;
 }
 
 ValueBounds sphere_bounds(const BoundsContext& c, const PlacedRay& ray, const Sphere& sphere, double t) {
@@ -247,7 +250,7 @@ ValueBounds sphere_bounds(const BoundsContext& c, const PlacedRay& ray, const Sp
   const double largest = glm::length(glm::dvec3(sphere.center)) + r;
   b.t = (along + 4.0 * u * std::abs(t) * ray.length) / ray.length;
   b.position = along + across + 2.0 * u * largest;
-  b.normal = std::min(2.0, b.position / r + 4.0 * u);
+  b.normal = std::min(kMostApart, b.position / r + 4.0 * u);
   if (ray.instance == kNone) return b;
   b.position *= c.spaces.instances[ray.instance].stretch;
   const glm::dvec3 position = ray.origin + (t - ray.t_origin) * ray.direction;
@@ -285,7 +288,7 @@ ValueBounds triangle_bounds(const BoundsContext& c, const PlacedRay& ray, std::u
   });
   const glm::dvec3 normal = glm::cross(e1, e2);
   const double cross = glm::length(normal);
-  b.normal = cross > 0.0 ? std::min(2.0, 8.0 * u * l1 * l2 / cross + 4.0 * u) : 2.0;
+  b.normal = cross > 0.0 ? std::min(kMostApart, 8.0 * u * l1 * l2 / cross + 4.0 * u) : kMostApart;
   if (!place || !(cross > 0.0)) return b;
   leave(c, ray, ray.origin + (t - ray.t_origin) * ray.direction, normal / cross, t, b);
   return b;
@@ -329,6 +332,14 @@ PlacedRay place_ray(const BoundsContext& c, const Ray& ray, std::uint32_t instan
   return place_ray(c.spaces, *c.scene, c.world.ball, ray, instance, left);
 }
 
+PlacedRay blurred(const BoundsContext& c, PlacedRay ray, double blur) {
+  if (!(blur > 0.0)) return ray;
+  const double local = ray.instance == kNone ? blur : blur * c.spaces.instances[ray.instance].inverse_stretch;
+  ray.origin_error += glm::dvec3(local);
+  ray.is_exact = false;
+  return ray;
+}
+
 ValueBounds value_bounds(const BoundsContext& c, const PlacedRay& ray, std::uint32_t primitive, double t) {
   return c.scene->is_triangle(primitive) ? triangle_bounds(c, ray, primitive, t)
                                          : sphere_bounds(c, ray, c.scene->sphere(primitive), t);
@@ -352,7 +363,7 @@ ValueBounds least_value_bounds(const BoundsContext& c, const PlacedRay& ray, std
   const double reach = glm::length(glm::dvec3(sphere.center) - ray.origin);
   b.t = (12.0 * u * reach / ray.length + 4.0 * u * std::abs(t)) * kLess;
   b.position = 16.0 * u * reach * kLess;
-  b.normal = std::min(2.0, 16.0 * u * reach / sphere.radius + 4.0 * u) * kLess;
+  b.normal = std::min(kMostApart, 16.0 * u * reach / sphere.radius + 4.0 * u) * kLess;
   return b;
 }
 

@@ -43,12 +43,14 @@ BoundsContext make_bounds_context(const Scene& scene);
 /// The ray in an instance's space (kNone: the world's). `left`: how many transforms the tracer may have left by their
 /// inverses when it met the primitive; 0 where it restores the ray.
 PlacedRay place_ray(const BoundsContext& context, const Ray& ray, std::uint32_t instance, std::uint32_t left = 0);
+/// The same ray when everything may stand up to `blur` (world units) from where it should, beside what rounding does.
+PlacedRay blurred(const BoundsContext& context, PlacedRay ray, double blur);
 
 /// Bounds on the absolute errors of one hit. Every member is >= 0 and may be infinite where 32 bits resolve nothing.
 struct ValueBounds {
   double t = 0.0;             ///< in units of the ray's direction
   double position = 0.0;      ///< world units, length of the difference
-  double normal = 0.0;        ///< length of the difference of unit vectors, at most 2
+  double normal = 0.0;        ///< length of the difference of unit vectors, at most 2 and a rounding
   double barycentrics = 0.0;  ///< each weight
 };
 /// `t` is that of the exact hit.

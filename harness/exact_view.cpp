@@ -38,13 +38,16 @@ ReferenceHit at_other_root(const Scene& scene, const PlacedRay& ray, const Place
 PlacedRay PlacedRays::in(std::uint32_t instance) const {
   for (const PlacedRay& r : placed_)
     if (r.instance == instance) return r;
-  return placed_.emplace_back(place_ray(context_, ray_, instance, left_));
+  return placed_.emplace_back(blurred(context_, place_ray(context_, ray_, instance, left_), blur_));
 }
 
-ExactView::ExactView(const Judge& judge, const Ray& ray, std::uint32_t left)
-    : judge_(judge), ray_(ray), length_(glm::length(glm::dvec3(ray.direction))), placed_(judge.bounds, ray, left) {
+ExactView::ExactView(const Judge& judge, const Ray& ray, std::uint32_t left, double blur)
+    : judge_(judge),
+      ray_(ray),
+      length_(glm::length(glm::dvec3(ray.direction))),
+      placed_(judge.bounds, ray, left, blur) {
   // Of an instance a length l of its own takes at most stretch * l / |d| of t.
-  const double reach = lateral_bound_of_scene(judge.bounds, ray, left);
+  const double reach = lateral_bound_of_scene(judge.bounds, ray, left) + 4.0 * blur;
   const double slack = (2.0 * judge.bounds.longest_edge + 2.0 * reach +
                         2.0 * std::sqrt(2.0 * judge.bounds.largest_radius * reach + reach * reach)) /
                        length_;

@@ -39,22 +39,24 @@ struct Relaxation {
 /// The ray in the spaces that were asked for, each made once.
 class PlacedRays {
  public:
-  PlacedRays(const BoundsContext& context, const Ray& ray, std::uint32_t left)
-      : context_(context), ray_(ray), left_(left) {}
+  PlacedRays(const BoundsContext& context, const Ray& ray, std::uint32_t left, double blur)
+      : context_(context), ray_(ray), left_(left), blur_(blur) {}
   PlacedRay in(std::uint32_t instance) const;
 
  private:
   const BoundsContext& context_;
   const Ray& ray_;
   std::uint32_t left_;
+  double blur_;
   mutable std::vector<PlacedRay> placed_;
 };
 
 /// Built for one ray and asked from one thread.
 class ExactView {
  public:
-  /// `left`: how many transforms the tracer may have left by their inverses (bounds.h).
-  ExactView(const Judge& judge, const Ray& ray, std::uint32_t left);
+  /// `left`: how many transforms the tracer may have left by their inverses; `blur`: how far what it sees may stand
+  /// from its place, world units (both bounds.h).
+  ExactView(const Judge& judge, const Ray& ray, std::uint32_t left, double blur = 0.0);
 
   const std::vector<Crossing>& crossings() const { return crossings_; }
   const Crossing* find(const Answer& answer) const;
