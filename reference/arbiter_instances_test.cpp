@@ -8,6 +8,7 @@
 #include "reference/arbiter.h"
 #include "reference/brute_instances_test.h"
 #include "reference/exact_values.h"
+#include "reference/filter.h"
 #include "reference/instanced_lattice_test.h"
 
 using namespace plumbline;
@@ -279,4 +280,111 @@ TEST_CASE("Exact values of instances are those of fractions") {
   }
   CHECK(compared > 500);
   CHECK(mirrored > 50);
+}
+
+TEST_CASE("A line that is off by what it says is decided as the true one") {
+  int exact = 0;
+  for (int i = 0; i < 4000; ++i) {
+    Random random(41, 41, i);
+    const Ray ray{glm::vec3(3.0 * random.direction()), glm::vec3(random.direction()), INFINITY};
+    Solid solid;
+    solid.is_sphere = i % 4 == 0;
+    for (glm::vec3& corner : solid.corners) {
+      corner = ray.origin + static_cast<float>(random.uniform(1.0, 4.0)) * ray.direction +
+               glm::vec3(0.3 * random.direction());
+    }
+    solid.radius = 0.3f;
+    // Near misses and near hits: the line passes an edge, or the sphere, by a few of its errors.
+    const double point_error = 0x1p-24, direction_error = 0x1p-26;
+    Ray aimed = ray;
+    const glm::dvec3 edge = glm::mix(glm::dvec3(solid.corners[0]), glm::dvec3(solid.corners[1]), random.uniform());
+    aimed.direction = glm::vec3(edge - glm::dvec3(ray.origin));
+    if (solid.is_sphere) {
+      const glm::dvec3 outwards =
+          glm::normalize(glm::cross(glm::dvec3(solid.corners[0]) - glm::dvec3(ray.origin), random.direction()));
+      aimed.direction = glm::vec3(glm::dvec3(solid.corners[0]) + 0.3 * outwards - glm::dvec3(ray.origin));
+    }
+    const Line world = line_near(aimed, {glm::dvec3(solid.corners[0]), 1.0});
+    LocalLine local{world, bounded_line<long double>(world, {point_error, direction_error})};
+    local.line.point_error = point_error;
+    local.line.direction_error = direction_error;
+    for (int axis = 0; axis < 3; ++axis) {
+      local.line.point[axis] += point_error * (random.below(2) == 0 ? -0.999 : 0.999);
+      local.line.direction[axis] += direction_error * (random.below(2) == 0 ? -0.999 : 0.999);
+    }
+    local.wide = bounded_line<long double>(local.line, {point_error, direction_error});
+    // Where it stands is the world itself.
+    InstanceMap map;
+    map.chain = {Transform{}};
+    Filter filter(local, world, map), truth(world);
+    if (solid.is_sphere) {
+      REQUIRE(filter.sphere_side(solid) == truth.sphere_side(solid));
+      REQUIRE(filter.sphere_distance(solid) == Approx(truth.sphere_distance(solid)).epsilon(0x1p-17).margin(0.0));
+    } else {
+      REQUIRE(filter.pass_triangle(solid).meets == truth.pass_triangle(solid).meets);
+      REQUIRE(filter.facing(solid) == truth.facing(solid));
+      for (int e = 0; e < 3; ++e) {
+        const glm::vec3 from = solid.corners[e], to = solid.corners[(e + 1) % 3];
+        REQUIRE(filter.segment_distance(from, to) ==
+                Approx(truth.segment_distance(from, to)).epsilon(0x1p-17).margin(0.0));
+      }
+    }
+    if (!solid.is_sphere || truth.sphere_side(solid) >= 0) {
+      for (const Root root : {Root::enter, Root::leave}) {
+        const BoundedT t = filter.t_of(solid, root), true_t = truth.t_of(solid, root);
+        REQUIRE(!(std::fabs(t.value - true_t.value) > t.error + true_t.error));
+      }
+    }
+    exact += filter.exact_decisions() > truth.exact_decisions();
+  }
+  CHECK(exact > 500);
+}
+
+TEST_CASE("Distances in an instance's space are right, also where they are tiny or zero") {
+  int tiny = 0, zero = 0, compared = 0;
+  for (int n = 0; n < 10; ++n) {
+    const Scene scene = lattice::instanced_scene(1000 + n, n % 2 == 0);
+    for (const InstanceMap& map : instance_maps(scene)) {
+      const brute::FractionMap truth = brute::map_of(scene, map.instance);
+      const Part& part = scene.parts[map.part];
+      for (int i = 0; i < 20; ++i) {
+        Ray ray = lattice::instanced_ray(scene, 1000 + n, i);
+        if (i % 2 == 0) ray = lattice::nudged(ray, 1000, i);
+        const Line world = line_near(ray, bounding_ball(scene));
+        const LocalLine local = local_line(ray, map, bounding_ball(scene, part));
+        Filter filter(local, world, map);
+        const brute::FractionVec d = truth.solve(brute::fractions(ray.direction)),
+                                 o = truth.solve(brute::fractions(ray.origin) - truth.translation);
+        const auto length = [](const brute::FractionVec& v) { return Wide(sqrt(brute::wide(dot(v, v)))); };
+        const auto check = [&](double distance, const Wide& expected) {
+          CAPTURE(n, map.instance, i, distance);
+          REQUIRE(abs(Wide(distance) - expected) <= ldexp(expected, -18));
+          tiny += distance < 1e-6 && distance > 0.0;
+          zero += distance == 0.0;
+          ++compared;
+        };
+        const auto corners = scene.corners(part.first_triangle + static_cast<std::uint32_t>(i) % part.triangle_count);
+        for (std::size_t e = 0; e < 3; ++e) {
+          const brute::FractionVec a = brute::fractions(corners[e]) - o, b = brute::fractions(corners[(e + 1) % 3]) - o;
+          const brute::FractionVec start = cross(d, a), end = cross(d, b), across = end - start;
+          Wide expected = std::min(length(start), length(end)) / length(d);
+          if (dot(start, across) < 0 && dot(end, across) > 0)
+            expected = abs(brute::wide(dot(start, b - a))) / length(across);
+          check(filter.segment_distance(corners[e], corners[(e + 1) % 3]), expected);
+          check(exact_segment_distance(filter.exact(), corners[e], corners[(e + 1) % 3]), expected);
+        }
+        const std::uint32_t sphere = static_cast<std::uint32_t>(scene.triangles.size()) + part.first_sphere +
+                                     static_cast<std::uint32_t>(i) % part.sphere_count;
+        const Solid solid = solid_of(scene, sphere);
+        const Wide from_center = length(cross(d, brute::fractions(solid.corners[0]) - o)) / length(d);
+        const Wide expected = abs(from_center - Wide(solid.radius));
+        const bool touches = brute::placed_answer(scene, truth, ray, sphere).touches;
+        check(filter.sphere_distance(solid), touches ? Wide(0) : expected);
+        check(exact_sphere_distance(filter.exact(), solid), touches ? Wide(0) : expected);
+      }
+    }
+  }
+  CHECK(compared > 5000);
+  CHECK(tiny > 50);
+  CHECK(zero > 20);
 }

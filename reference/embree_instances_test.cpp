@@ -237,6 +237,37 @@ TEST_CASE("Coincident instances are one hit, of the world first and then of the 
   CHECK(trace(EmbreeScene(scene), Ray{origin, glm::vec3(0.0f), 1.0f}).kind == HitKind::undefined);
 }
 
+TEST_CASE("Small instances in a large scene are not lost to the rounding of the ray") {
+  // Squares of a side of 1/1000 in a scene of radius 100, where a float resolves 1/130,000. The rays come from afar, so
+  // that Embree sees them rounded, and meet the squares near an edge.
+  Scene scene;
+  scene.materials.resize(1);
+  scene.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
+  scene.triangles = {{.position = {0, 1, 2}}, {.position = {1, 3, 2}}};
+  scene.parts = {{"square", 0, 2, 0, 0}};
+  std::vector<Ray> rays;
+  for (std::uint32_t i = 0; i < 2000; ++i) {
+    Random random(31, 31, i);
+    const glm::vec3 direction(random.direction());
+    const Ray ray{glm::vec3(100.0 * random.direction() - 1e4 * glm::dvec3(direction)), direction, kInfinity};
+    const glm::dvec3 met = glm::dvec3(ray.origin) + 1e4 * glm::dvec3(direction);
+    Transform t = lattice::scale(1e-3f, 1e-3f, 1e-3f);
+    t.translation = glm::vec3(met - 1e-3 * glm::dvec3(random.uniform(0.0, 0.01), random.uniform(0.1, 0.9), 0.0));
+    scene.nodes.push_back({"n" + std::to_string(i), kNone, 0, t, t});
+    rays.push_back(ray);
+  }
+  const Arbiter arbiter(scene);
+  const auto hits = trace(EmbreeScene(scene), rays);
+  int hit = 0, wrong = 0;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const auto nearest = arbiter.nearest(rays[i]);
+    hit += !nearest.empty();
+    wrong += !is_right(hits[i], nearest);
+  }
+  CHECK(hit > 500);
+  CHECK(wrong <= 5);  // some are seen edge-on
+}
+
 TEST_CASE("A part that nothing places is not there") {
   Scene scene = triangle_below_sphere();
   scene.parts = {{"unused", 0, 1, 0, 1}};

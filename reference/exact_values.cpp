@@ -27,10 +27,9 @@ Vec<BoundedT> unit(const Vec<BoundedT>& v) {
   return {v.x / length, v.y / length, v.z / length};
 }
 
-/// Fills `hit` where the bounds are good enough everywhere. `map` is null in the world.
-bool bounded_values(Filter& filter, const Line& world, const InstanceMap* map, const Solid& solid, Root root,
-                    ReferenceHit& hit) {
-  const LineOf<BoundedT>& line = filter.wide();
+/// Fills `hit` where the bounds are good enough everywhere. `line` is the filter's; `map` is null in the world.
+bool bounded_values(const Filter& filter, const LineOf<BoundedT>& line, const Line& world, const InstanceMap* map,
+                    const Solid& solid, Root root, ReferenceHit& hit) {
   const BoundedT s = filter.s_of(solid, root), t = filter.t_of(solid, root);
   if (!std::isfinite(t.value) || !(t.error <= 0x1p-54L * std::fabs(t.value))) return false;
   // t is the same in the world. The shifts are long and have few bits: their difference loses next to nothing.
@@ -86,7 +85,9 @@ ReferenceHit hit_on(Filter& filter, const Ray& ray, const Line& world, const Ins
   }
   const BoundedT t = filter.t_of(solid, root);
   met = met && filter.compare_t(solid, root, t, 0.0) > 0 && filter.compare_t(solid, root, t, ray.t_max) <= 0;
-  if (!bounded_values(filter, world, map, solid, root, hit)) hit = exact_values_at(filter.exact(), solid, root);
+  const bool bounded = filter.with_wide(
+      [&](const LineOf<BoundedT>& line) { return bounded_values(filter, line, world, map, solid, root, hit); });
+  if (!bounded) hit = exact_values_at(filter.exact(), solid, root);
   hit.kind = met ? HitKind::hit : HitKind::miss;
   return hit;
 }

@@ -23,17 +23,6 @@ const ExactLine& Filter::exact() {
   return *exact_;
 }
 
-const LineOf<BoundedT>& Filter::wide() {
-  if (local_ != nullptr) return local_->wide;
-  if (!wide_) wide_.emplace(bounded_line<long double>(line_));
-  return *wide_;
-}
-
-const LineOf<Bounded<double>>& Filter::bounded() {
-  if (!bounded_) bounded_.emplace(bounded_line<double>(line_));
-  return *bounded_;
-}
-
 void Filter::set_slacks() {
   moment_slope_ = 104.0 * kUnit + 8.0 * line_.direction_error;
   moment_slack_ = 104.0 * kUnit * largest(line_.rest) + 14.0 * line_.point_error;
@@ -69,19 +58,24 @@ TrianglePass Filter::pass_triangle(const Solid& triangle) {
 }
 
 int Filter::facing(const Solid& triangle) {
-  const int sign = plane_terms(bounded(), triangle.corners).determinant.sign();
+  const int sign =
+      with_bounded([&](const auto& line) { return plane_terms(line, triangle.corners).determinant.sign(); });
   if (sign != 0) return sign;
   return exact_facing(decide_exactly(), triangle);
 }
 
 bool Filter::in_plane(const Solid& triangle) {
-  const auto terms = plane_terms(bounded(), triangle.corners);
-  if (terms.determinant.sign() != 0 || terms.numerator.sign() != 0) return false;
+  const bool outside = with_bounded([&](const auto& line) {
+    const auto terms = plane_terms(line, triangle.corners);
+    return terms.determinant.sign() != 0 || terms.numerator.sign() != 0;
+  });
+  if (outside) return false;
   return exact_in_plane(decide_exactly(), triangle);
 }
 
 int Filter::sphere_side(const Solid& sphere) {
-  const int sign = sphere_terms(bounded(), sphere.corners[0], sphere.radius).discriminant.sign();
+  const int sign = with_bounded(
+      [&](const auto& line) { return sphere_terms(line, sphere.corners[0], sphere.radius).discriminant.sign(); });
   if (sign != 0) return sign;
   return exact_sphere_side(decide_exactly(), sphere);
 }
@@ -105,8 +99,10 @@ double Filter::segment_distance(const glm::vec3& from, const glm::vec3& to) {
 
 double Filter::sphere_distance(const Solid& sphere) {
   // |r - l| = |r^2 - l^2| / (r + l)
-  const auto terms = sphere_terms(bounded(), sphere.corners[0], sphere.radius);
-  const auto difference = terms.discriminant / terms.length2;
+  const Bounded<double> difference = with_bounded([&](const auto& line) {
+    const auto terms = sphere_terms(line, sphere.corners[0], sphere.radius);
+    return terms.discriminant / terms.length2;
+  });
   if (difference.error <= 0x1p-20 * std::fabs(difference.value)) {
     const double radius = sphere.radius;
     return std::fabs(difference.value) / (radius + std::sqrt(std::fmax(radius * radius - difference.value, 0.0)));
@@ -114,14 +110,18 @@ double Filter::sphere_distance(const Solid& sphere) {
   return exact_sphere_distance(decide_exactly(), sphere);
 }
 
-BoundedT Filter::s_of(const Solid& solid, Root root) {
+BoundedT Filter::s_of(const Solid& solid, Root root) const {
   if (!solid.is_sphere) {
-    const auto terms = plane_terms(wide(), solid.corners);
-    return terms.numerator / terms.determinant;
+    return with_wide([&](const auto& line) {
+      const auto terms = plane_terms(line, solid.corners);
+      return terms.numerator / terms.determinant;
+    });
   }
-  const auto terms = sphere_terms(wide(), solid.corners[0], solid.radius);
-  const BoundedT half = sqrt(terms.discriminant);
-  return (root == Root::enter ? terms.middle - half : terms.middle + half) / terms.length2;
+  return with_wide([&](const auto& line) {
+    const auto terms = sphere_terms(line, solid.corners[0], solid.radius);
+    const BoundedT half = sqrt(terms.discriminant);
+    return (root == Root::enter ? terms.middle - half : terms.middle + half) / terms.length2;
+  });
 }
 
 int Filter::compare_t(const Solid& solid, Root root, const BoundedT& t, double limit) {

@@ -36,8 +36,17 @@ class Filter {
   Filter& operator=(const Filter&) = delete;
 
   const Line& line() const { return line_; }
-  /// The same line with more bits, in exact numbers: made when they are first asked for.
-  const LineOf<BoundedT>& wide();
+  /// Calls f with the line as numbers that carry bounds: of double precision, or of more bits. In the world their
+  /// errors are zero, which the compiler is to know: hence two calls.
+  template <class F>
+  auto with_bounded(F&& f) const {
+    return local_ == nullptr ? f(bounded_line<double>(line_, {})) : f(bounded_line<double>(line_, errors_of(line_)));
+  }
+  template <class F>
+  auto with_wide(F&& f) const {
+    return local_ == nullptr ? f(bounded_line<long double>(line_, {})) : f(local_->wide);
+  }
+  /// The line in exact numbers, made when it is first asked for.
   const ExactLine& exact();
   std::uint64_t exact_decisions() const { return exact_decisions_; }
 
@@ -53,8 +62,8 @@ class Filter {
 
   /// Where the line meets the primitive, which it must (for a triangle: its plane): s counts from the line's point, t
   /// is the ray's.
-  BoundedT s_of(const Solid& solid, Root root);
-  BoundedT t_of(const Solid& solid, Root root) {
+  BoundedT s_of(const Solid& solid, Root root) const;
+  BoundedT t_of(const Solid& solid, Root root) const {
     return scaled(BoundedT(line_.shift) + s_of(solid, root), static_cast<long double>(line_.unit));
   }
   /// The sign of t - limit; limit may be infinite.
@@ -67,7 +76,6 @@ class Filter {
 
  private:
   void set_slacks();
-  const LineOf<Bounded<double>>& bounded();
   const ExactLine& decide_exactly() {
     ++exact_decisions_;
     return exact();
@@ -77,8 +85,6 @@ class Filter {
   const Line& world_;
   const LocalLine* local_ = nullptr;
   const InstanceMap* map_ = nullptr;
-  std::optional<LineOf<Bounded<double>>> bounded_;
-  std::optional<LineOf<BoundedT>> wide_;
   double moment_slope_ = 0.0, moment_slack_ = 0.0;  ///< see pass_triangle
   std::optional<ExactLine> exact_;
   std::uint64_t exact_decisions_ = 0;

@@ -55,17 +55,23 @@ struct LineOf {
   }
 };
 
-/// A line with the error bounds that it comes with.
+/// The errors of a line's numbers; none in the world.
+struct LineErrors {
+  double point = 0.0, direction = 0.0;
+};
+inline LineErrors errors_of(const Line& line) { return {line.point_error, line.direction_error}; }
+
+/// A line with error bounds.
 template <class T>
-LineOf<Bounded<T>> bounded_line(const Line& line) {
+LineOf<Bounded<T>> bounded_line(const Line& line, const LineErrors& errors) {
   const auto known_to = [](const glm::dvec3& v, double error) {
     using B = Bounded<T>;
     const T e = static_cast<T>(error);
     return Vec<B>{B(static_cast<T>(v.x), e), B(static_cast<T>(v.y), e), B(static_cast<T>(v.z), e)};
   };
-  return {known_to(line.point, line.point_error),
+  return {known_to(line.point, errors.point),
           known_to(line.rest, 0.0),
-          known_to(line.direction, line.direction_error),
+          known_to(line.direction, errors.direction),
           Bounded<T>(1.0),
           line.rest != glm::dvec3(0.0),
           false};
