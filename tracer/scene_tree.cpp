@@ -110,6 +110,7 @@ class GroupBuilder {
   void build_group(std::uint32_t g, std::vector<std::uint32_t> members) {
     std::erase_if(members, [&](std::uint32_t n) { return !shows_anything(n); });
     if (members.empty()) return;
+    std::vector<Ball> at_rest;
     Scene proxies;  // spheres in the places of the nodes at rest; only the order of the tree is taken from them
     proxies.name = scene_.name + ", its transforms";
     for (const std::uint32_t n : members) {
@@ -119,9 +120,11 @@ class GroupBuilder {
       if (!(glm::length(ball.center) + ball.radius <= 0x1p126))
         throw InputError("scene " + scene_.name + ": the transform of node " + node.name +
                          " carries its geometry out of what 32 bits hold; scale it down");
+      at_rest.push_back(ball);
       proxies.spheres.push_back({glm::vec3(ball.center), std::max(static_cast<float>(ball.radius), 0x1p-126f), 0});
     }
     GroupTree& group = tree_.groups[g];
+    group.content = fit_ball(at_rest);  // for the group around it; refitted once everything stands
     if (list_) {
       group.nodes.resize(1);
       add_children(group, 0, static_cast<std::uint32_t>(members.size()));
@@ -179,13 +182,38 @@ class GroupBuilder {
 /// cost a look at all others.
 constexpr std::uint32_t kFitLeaves = 48;
 
-/// What stands in the group's space: the tree, and in the world its own geometry.
+double reach_from(const glm::dvec3& center, const Ball& ball) {
+  return glm::length(ball.center - center) + ball.radius;
+}
+
+/// The farthest that any leaf below node i reaches from `center`, if that is more than `most`. Branches that cannot are
+/// passed over, so the answer is that of looking at all leaves.
+double farthest_reach(const GroupTree& group, std::uint32_t i, const glm::dvec3& center, double most) {
+  const GroupNode& node = group.nodes[i];
+  const double reach = reach_from(center, node.content);
+  if (node.is_leaf()) return std::max(most, reach);
+  if (!(reach * (1.0 + 0x1p-40) > most)) return most;
+  for (std::uint32_t c = node.first_child; c < node.first_child + node.child_count; ++c)
+    most = farthest_reach(group, c, center, most);
+  return most;
+}
+
+/// What stands in the group's space: what the tree's leaves show, and in the world its own geometry. It depends on
+/// where things are, not on the shape of the tree, since it decides how far rays are moved.
 void refit_content(SceneTree& tree, std::uint32_t g) {
   GroupTree& group = tree.groups[g];
-  std::vector<Ball> balls;
-  if (!group.nodes.empty()) balls.push_back(group.nodes[0].content);
-  if (g == 0 && !tree.world.nodes.empty()) balls.push_back(tree.world_ball);
-  group.content = fit_ball(balls);
+  const bool has_world = g == 0 && !tree.world.nodes.empty();
+  group.content = has_world ? tree.world_ball : Ball{};
+  if (!group.nodes.empty()) {
+    glm::dvec3 lower = group.nodes[0].lower, upper = group.nodes[0].upper;
+    if (has_world) {
+      lower = glm::min(lower, tree.world_ball.center - tree.world_ball.radius);
+      upper = glm::max(upper, tree.world_ball.center + tree.world_ball.radius);
+    }
+    const glm::dvec3 center = 0.5 * (lower + upper);
+    const double most = has_world ? reach_from(center, tree.world_ball) : 0.0;
+    group.content = {center, farthest_reach(group, 0, center, most) * (1.0 + 0x1p-40)};
+  }
   group.extent = power_above(group.content.radius);
 }
 
@@ -237,7 +265,13 @@ void refit_inner_content(SceneTree& tree, std::uint32_t g, std::uint32_t i) {
   GroupTree& group = tree.groups[g];
   std::vector<Ball> balls;
   for (const std::uint32_t n : below(tree, group, group.nodes[i])) balls.push_back(group.nodes[n].content);
-  group.nodes[i].content = fit_ball(balls);
+  GroupNode& node = group.nodes[i];
+  node.content = fit_ball(balls);
+  node.lower = group.nodes[node.first_child].lower, node.upper = group.nodes[node.first_child].upper;
+  for (std::uint32_t c = node.first_child + 1; c < node.first_child + node.child_count; ++c) {
+    node.lower = glm::min(node.lower, group.nodes[c].lower);
+    node.upper = glm::max(node.upper, group.nodes[c].upper);
+  }
 }
 
 /// The padded ball; what lies below must have its own.

@@ -18,11 +18,12 @@ inline constexpr std::uint32_t kMaxDepth = 64;
 /// A node of a tree over scene nodes. Its ball is refitted when they move; its place in the tree stays.
 struct GroupNode {
   glm::dvec3 center{0.0};
-  double radius = 0.0;            ///< around all that a ray may hit below, rounding included, in the group's space
-  Ball content;                   ///< around all that stands below, without padding
-  glm::dvec3 rest_center{0.0};    ///< `center` when the nodes stand at rest: children are ordered by it
-  std::uint32_t first_child = 0;  ///< into GroupTree::nodes; children are contiguous and stand after their parent
-  std::uint32_t child_count = 0;  ///< 0: a leaf
+  double radius = 0.0;                ///< around all that a ray may hit below, rounding included, in the group's space
+  Ball content;                       ///< around all that stands below, without padding
+  glm::dvec3 lower{0.0}, upper{0.0};  ///< of a box around the contents of the leaves below
+  glm::dvec3 rest_center{0.0};        ///< `center` when the nodes stand at rest: children are ordered by it
+  std::uint32_t first_child = 0;      ///< into GroupTree::nodes; children are contiguous and stand after their parent
+  std::uint32_t child_count = 0;      ///< 0: a leaf
   std::uint32_t parent = kNone;
   std::uint32_t first_leaf = 0, leaf_count = 0;  ///< into GroupTree::leaves: the scene nodes below
   bool is_leaf() const { return child_count == 0; }

@@ -1,6 +1,27 @@
 // SPDX-License-Identifier: MIT
 // The walk's way in and out of transforms.
 
+#ifdef OUT_INVERSE
+// With rays that come out by the inverse, only origin and direction drift. Everything that a decision hangs on which
+// must be the same on the way in and on the way out (the copy that is walked, the scale of t, whether the origin was
+// moved) is derived as for rays that are restored. Where the origin was moved, so is the ray.
+int derived_octant;
+
+void enter_drifted(int node) {
+  vec4 row_0 = record_texel(node, 0), row_1 = record_texel(node, 1), row_2 = record_texel(node, 2);
+  PRECISE vec3 o = times(row_0, row_1, row_2, ray.o - vec3(row_0.w, row_1.w, row_2.w));
+  PRECISE vec3 d = times(row_0, row_1, row_2, ray.d);
+  derive_ray(node);
+  derived_octant = octant_of(ray.d);
+  entered_o = o;
+  entered_d = d;
+  if (ray.shift_unit == 1.0) {
+    ray.o = o;
+    set_direction(scale_exactly(d, ray.exponent));
+  }
+}
+#endif
+
 // Carries out what the walk asks for at a transform, and at the end of a space.
 void change_space() {
   int node = walk.request;
@@ -8,7 +29,11 @@ void change_space() {
   bool leaves = node == REQUEST_LEAVE;
   walk.request = REQUEST_NONE;
   if (enters) {
+#ifdef OUT_INVERSE
+    enter_drifted(node);
+#else
     enter_space(node);
+#endif
     bool is_late = ray.cut;
 #ifndef THOROUGH
     is_late = is_late || (ray.too_far && !ray.misses);
@@ -19,7 +44,11 @@ void change_space() {
       ++walk.transforms;
       walk.cluster_at = -1;  // the same cluster may have been left before its end in another instance
       walk.space = node;
-      start_region(int(record_texel(node, 4).w), int(record_texel(node, 5).w));
+#ifdef OUT_INVERSE
+      start_region(int(record_texel(node, 4).w), int(record_texel(node, 5).w), derived_octant);
+#else
+      start_region(int(record_texel(node, 4).w), int(record_texel(node, 5).w), octant_of(ray.d));
+#endif
       leaves = ray.misses;  // of what stands there: out again
 #ifdef CAPTURE
       capture_ray(CAPTURE_ENTER, node, ray.misses, bound_of(nearest.t_world));
@@ -42,13 +71,12 @@ void change_space() {
     walk.space = outer;
     walk.stalled = ray.cut;
 #ifdef OUT_INVERSE
-    // Only the ray comes from the matrices. Where it was moved near the space's contents it was re-aimed all the same,
-    // and goes out from where it came in.
-    ray.o = o;
-    set_direction(d);
-    bool is_near = ray.shift_unit == 1.0;
-    entered_o = is_near ? o : entered_o;
-    entered_d = is_near ? scale_exactly(d, -ray.exponent) : entered_d;
+    if (outer == SPACE_WORLD || ray.shift_unit == 1.0) {
+      ray.o = o;
+      set_direction(d);
+      entered_o = o;
+      entered_d = scale_exactly(d, -ray.exponent);
+    }
 #endif
   }
   if (enters || leaves) nearest.t = bound_of(nearest.t_world);

@@ -6,10 +6,10 @@
 // again while its neighbours go on, so that values read after a loop are right even where the driver overwrites them
 // (Mesa 22.3).
 
-void start_region(int start, int copy_size) {
-  walk.at = ivec2(start + (octant_of(ray.d) & pass_walk.y) * copy_size, 0);
+void start_region(int start, int copy_size, int octant) {
+  walk.at = ivec2(start + (octant & pass_walk.y) * copy_size, 0);
 }
-void start_walk() { start_region(0, pass_walk.x); }
+void start_walk() { start_region(0, pass_walk.x, octant_of(ray.d)); }
 
 #ifdef BOUNDS_AABB
 #define NODE_TEXELS 2

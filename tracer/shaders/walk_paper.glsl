@@ -15,10 +15,10 @@ vec2 cell_link(int cell) {
   return (vec2(ivec2(cell & pass_image.x, (cell >> pass_image.y) * 2)) + 0.5) * pass_factor.yz;
 }
 
-void start_region(int start, int copy_size) {
-  walk.at = floatBitsToInt(cell_link(start + (octant_of(ray.d) & pass_walk.y) * copy_size));
+void start_region(int start, int copy_size, int octant) {
+  walk.at = floatBitsToInt(cell_link(start + (octant & pass_walk.y) * copy_size));
 }
-void start_walk() { start_region(0, pass_walk.x); }
+void start_walk() { start_region(0, pass_walk.x, octant_of(ray.d)); }
 
 #ifdef HAS_TRANSFORMS
 // Goes on behind the leaf of a transform.
