@@ -32,6 +32,7 @@ struct File {
   std::unordered_map<std::string, std::size_t> parts;  ///< member of "parts" by name
   std::vector<const Assembly*> part_of;                ///< of each member, once it has been read
   std::vector<bool> is_open;                           ///< of each member: being read
+  std::unordered_map<const JsonValue*, const Assembly*> written_in_place;
   NamedMaterials materials;
 };
 
@@ -117,7 +118,12 @@ class Reader {
 
   /// What a node or the world names: the name of a part, or a part written in place.
   const Assembly& part_at(File& file, const JsonPlace& place) {
-    if (!place.is_string()) return read_part(file, place, "part");
+    if (!place.is_string()) {
+      // Children of a repeated node are read once for each copy; their parts are shared all the same.
+      const auto known = file.written_in_place.find(&place.value());
+      if (known != file.written_in_place.end()) return *known->second;
+      return *(file.written_in_place[&place.value()] = &read_part(file, place, "part"));
+    }
     const auto found = file.parts.find(place.text());
     if (found != file.parts.end()) return named_part(file, JsonPlace(file.document).need("parts"), found->second);
     std::vector<std::string> names;

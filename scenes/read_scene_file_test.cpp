@@ -232,6 +232,11 @@ TEST_CASE("repeat makes copies, the first of a list fastest, after the node's ow
   REQUIRE(deep.nodes.size() == 4);
   CHECK(deep.nodes[3].name == "n.1/c");
   CHECK(largest_stretch(to_world(deep, 3).linear) == Approx(2.0));
+  // Parts that are written in place are shared by the copies too.
+  const Scene shared = read_text(R"({"nodes": [{"name": "n", "repeat": {"count": 5, "by": {"scale": 2}},
+    "children": [{"part": {"spheres": [{"center": [0, 0, 0], "radius": 1}]}}]}]})");
+  CHECK(instances_of(shared).size() == 5);
+  CHECK(shared.spheres.size() == 1);
 }
 
 TEST_CASE("Keyframes, camera, lights and effects arrive as they were written") {
