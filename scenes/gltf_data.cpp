@@ -106,6 +106,23 @@ void check_files(const JsonPlace& root, const std::filesystem::path& folder) {
   }
 }
 
+/// tinygltf forms a pointer into the buffer before it asks whether the view fits: views of images are checked first.
+void check_image_views(const JsonPlace& root) {
+  const auto images = root.find("images"), views = root.find("bufferViews"), buffers = root.find("buffers");
+  for (std::size_t i = 0; images && i < images->size(); ++i) {
+    const auto index = images->at(i).find("bufferView");
+    if (!index) continue;
+    if (!views || !buffers) index->fail("the file has no bufferViews, or no buffers");
+    const JsonPlace view = views->at(gltf_index(*index, views->size(), "bufferViews"));
+    const JsonPlace buffer = view.need("buffer");
+    const double length = buffers->at(gltf_index(buffer, buffers->size(), "buffers")).need("byteLength").number();
+    const auto offset = view.find("byteOffset");
+    const double end = view.need("byteLength").number_between(1.0, 4294967295.0) +
+                       (offset ? offset->number_between(0.0, 4294967295.0) : 0.0);
+    if (!(end <= length)) view.fail("reaches beyond its buffer");
+  }
+}
+
 void read_images(GltfData& data, tinygltf::Model& model, const std::filesystem::path& folder) {
   const auto images = JsonPlace(data.document).find("images");
   for (std::size_t i = 0; images && i < images->size(); ++i) {
@@ -194,6 +211,7 @@ GltfData read_gltf_data(const std::filesystem::path& path, const std::string& co
   if (!version.starts_with("2.")) root.need("asset").need("version").fail("glTF 2 is read, this is " + shown(version));
   check_arrays(root);
   check_files(root, path.parent_path());
+  check_image_views(root);
 
   tinygltf::TinyGLTF loader;
   tinygltf::Model model;

@@ -417,6 +417,16 @@ TEST_CASE("Malformed glTF: one error with line and key for each mistake") {
   check_error(with(kMesh + R"(, "nodes": [{"mesh": 0, "translation": [1, 2]}])"),
               "scene.gltf:5: nodes[0].translation: expected 3 items, found 2");
 
+  // Images.
+  const auto image = [&](const std::string& view_number) {
+    return file_of(
+        good, kMesh + node + ",\n\"images\": [{\"mimeType\": \"image/png\", \"bufferView\": " + view_number + "}]");
+  };
+  check_error(image("5"), "scene.gltf:6: images[0].bufferView: out of range: there are 2 bufferViews");
+  check_error(accessor("{\"buffer\": 0, \"byteOffset\": 30, \"byteLength\": 36}",
+                       floats + "], \"images\": [{\"mimeType\": \"image/png\", \"bufferView\": 0}"),
+              "scene.gltf:3: bufferViews[0]: reaches beyond its buffer");
+
   // Animation, camera, lights.
   Buffers moving = triangle_buffers();
   moving.add<float>({0, 1, 1}, 5126, "SCALAR", 1);
