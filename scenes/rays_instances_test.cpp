@@ -8,6 +8,7 @@
 #include <set>
 
 #include "scenes/generate.h"
+#include "scenes/ray_sampler.h"
 #include "scenes/rays.h"
 #include "scenes/read.h"
 #include "scenes/test_files.h"
@@ -190,6 +191,35 @@ TEST_CASE("on_surface starts on what instances show, with their own normals") {
   for (const Ray& ray : rays_of(source, RayFamily::on_surface, kCount)) {
     const glm::dvec3 local = transform_point(place.to_local, glm::dvec3(ray.origin));
     CHECK(std::abs(glm::length(local) - 1.0) <= 0x1p-20);
+  }
+}
+
+TEST_CASE("Normals of what instances show are at right angles to it, not the matrix's images of normals") {
+  const Scene scene = of_text(R"({"parts": {"t": {"spheres": [{"center": [1, 0, 0], "radius": 2}],
+      "positions": [[0.3, 0.1, -0.2], [1.7, 0.4, 0.3], [0.2, 1.1, 0.9]], "triangles": [[0, 1, 2]]}},
+    "nodes": [{"part": "t", "transform": {"scale": [-2, 0.5, 1], "shear": {"xy": 2, "zx": 1}, "rotate": {"euler": [10, 20, 30]}}}]})");
+  const RaySource source(scene);
+  const PlacedGeometry& place = source.placed.front();
+  for (std::uint64_t i = 0; i < 300; ++i) {
+    RaySampler sampler(source, 1, 2, i);
+    const SurfacePoint point = sampler.surface_point();
+    CHECK(glm::length(point.normal) == Approx(1.0));
+    if (scene.is_triangle(point.primitive)) {
+      const auto corner = sampler.corners(point.primitive);
+      for (int k = 0; k < 2; ++k) CHECK(std::abs(glm::dot(point.normal, corner[1 + k] - corner[0])) < 1e-12);
+    } else {
+      // A step along the surface from there, both ways: the chord is at right angles to the normal.
+      const glm::dvec3 center(scene.sphere(point.primitive).center);
+      const glm::dvec3 out = transform_point(place.to_local, point.position) - center;
+      const glm::dvec3 side = sampler.across(glm::normalize(out));
+      for (const double sign : {1.0, -1.0}) {
+        const glm::dvec3 beside =
+            transform_point(place.to_world, center + glm::length(out) * glm::normalize(out + sign * 1e-5 * side));
+        const glm::dvec3 step = beside - point.position;
+        CHECK(std::abs(glm::dot(point.normal, step)) < 1e-3 * glm::length(step));
+      }
+      CHECK(glm::dot(point.normal, transform_vector(place.to_world, out)) > 0.0);
+    }
   }
 }
 

@@ -305,6 +305,17 @@ TEST_CASE("Binary glTF reads as the text does, and is refused wherever it is cut
   }
 }
 
+TEST_CASE("A BIN chunk that ends 4 or 8 bytes beyond the file is refused, which tinygltf does not do") {
+  const Buffers buffers = triangle_buffers();
+  const std::string rest = kMesh + ", \"nodes\": [{\"mesh\": 0}]";
+  const std::string whole = binary_of("{" + kAsset + buffers.json(false) + ", " + rest + "}", buffers.bytes());
+  for (const char more : {4, 8}) {
+    std::string longer = whole;
+    longer[whole.find("BIN") - 4] = static_cast<char>(longer[whole.find("BIN") - 4] + more);
+    CHECK(error_of(longer, "scene.glb").starts_with("scene.glb:1: binary glTF: the BIN chunk's length"));
+  }
+}
+
 TEST_CASE("Malformed glTF: one error with line and key for each mistake") {
   const Buffers good = triangle_buffers();
   const std::string node = ", \"nodes\": [{\"mesh\": 0}]";
