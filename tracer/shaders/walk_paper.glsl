@@ -89,7 +89,8 @@ void walk_tree() {
     }
     if (in_cluster && is_last) {
       at = links.zw;
-      if (at.x < 0.0) end_region();
+      // A triangle that waits is resolved in this space before it is left.
+      if (at.x < 0.0 && nearest.pending < 0) end_region();
     }
     if (nearest.pending >= 0 || walk.steps >= pass_walk.w) break;
 #ifdef CAPTURE
