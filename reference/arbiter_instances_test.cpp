@@ -305,14 +305,14 @@ TEST_CASE("A line that is off by what it says is decided as the true one") {
       aimed.direction = glm::vec3(glm::dvec3(solid.corners[0]) + 0.3 * outwards - glm::dvec3(ray.origin));
     }
     const Line world = line_near(aimed, {glm::dvec3(solid.corners[0]), 1.0});
-    LocalLine local{world, bounded_line<long double>(world, {point_error, direction_error})};
+    LocalLine local{world, {}};
     local.line.point_error = point_error;
     local.line.direction_error = direction_error;
     for (int axis = 0; axis < 3; ++axis) {
       local.line.point[axis] += point_error * (random.below(2) == 0 ? -0.999 : 0.999);
       local.line.direction[axis] += direction_error * (random.below(2) == 0 ? -0.999 : 0.999);
     }
-    local.wide = bounded_line<long double>(local.line, {point_error, direction_error});
+    local.wide = bounded_line<long double>(local.line);
     // Where it stands is the world itself.
     InstanceMap map;
     map.chain = {Transform{}};

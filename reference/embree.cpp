@@ -557,6 +557,4 @@ std::size_t EmbreeScene::intersect_only(std::span<const Ray> rays) const {
   return tbb::parallel_reduce(Range(0, rays.size(), 4 * kBlock), std::size_t{0}, trace, std::plus<>());
 }
 
-std::string EmbreeScene::version() { return "Embree " RTC_VERSION_STRING; }
-
 }  // namespace plumbline

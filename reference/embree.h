@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <string>
 
 #include "scenes/ray.h"
 #include "scenes/scene.h"
@@ -56,8 +55,6 @@ class EmbreeScene {
   /// rtcIntersect1 on each ray as given and nothing else, on all cores: what the benchmark times. Instances are
   /// Embree's own here (RTC_GEOMETRY_TYPE_INSTANCE, the composed maps rounded to 32 bits). Returns the number of hits.
   std::size_t intersect_only(std::span<const Ray> rays) const;
-
-  static std::string version();  ///< "Embree 3.13.5"
 
  private:
   struct Impl;

@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <catch2/catch.hpp>
+#include <chrono>
 
 #include "reference/arbiter.h"
 #include "reference/embree.h"

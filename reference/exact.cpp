@@ -221,11 +221,11 @@ struct Meeting {
 
 Meeting meeting(const ExactLine& line, const Solid& solid, Root root) {
   if (solid.is_sphere) {
-    const auto terms = sphere_terms<Exact>(line->line, solid.corners[0], solid.radius);
+    const auto terms = sphere_terms(line->line, solid.corners[0], solid.radius);
     PLUMBLINE_ASSERT(sign_of(terms.discriminant) >= 0);
     return {terms.middle, Exact(root == Root::enter ? -1.0 : 1.0), terms.discriminant, terms.length2};
   }
-  const auto terms = plane_terms<Exact>(line->line, solid.corners);
+  const auto terms = plane_terms(line->line, solid.corners);
   PLUMBLINE_ASSERT(sign_of(terms.determinant) != 0);
   if (sign_of(terms.determinant) > 0) return {terms.numerator, Exact(0.0), Exact(0.0), terms.determinant};
   return {-Exact(terms.numerator), Exact(0.0), Exact(0.0), -Exact(terms.determinant)};
@@ -295,21 +295,21 @@ Solid solid_of(const Scene& scene, std::uint32_t primitive) {
 }
 
 int exact_edge_sign(const ExactLine& line, const glm::vec3& from, const glm::vec3& to) {
-  return sign_of(edge_moment<Exact>(line->line, from, to));
+  return sign_of(edge_moment(line->line, from, to));
 }
 
 int exact_facing(const ExactLine& line, const Solid& triangle) {
-  return sign_of(plane_terms<Exact>(line->line, triangle.corners).determinant);
+  return sign_of(plane_terms(line->line, triangle.corners).determinant);
 }
 
 bool exact_in_plane(const ExactLine& line, const Solid& triangle) {
   // Without area the normal is zero, and so are both.
-  const auto terms = plane_terms<Exact>(line->line, triangle.corners);
+  const auto terms = plane_terms(line->line, triangle.corners);
   return sign_of(terms.determinant) == 0 && sign_of(terms.numerator) == 0;
 }
 
 int exact_sphere_side(const ExactLine& line, const Solid& sphere) {
-  return sign_of(sphere_terms<Exact>(line->line, sphere.corners[0], sphere.radius).discriminant);
+  return sign_of(sphere_terms(line->line, sphere.corners[0], sphere.radius).discriminant);
 }
 
 double exact_segment_distance(const ExactLine& line, const glm::vec3& from, const glm::vec3& to) {
@@ -320,13 +320,13 @@ double exact_segment_distance(const ExactLine& line, const glm::vec3& from, cons
   const Exact length2 = line->line.has_scale ? Exact(plain2 * scale * scale) : plain2;
   if (sign_of(dot(start, edge)) >= 0) return length_of(start, length2);
   if (sign_of(dot(end, edge)) <= 0) return length_of(end, length2);
-  const Exact moment = edge_moment<Exact>(line->line, from, to);
+  const Exact moment = edge_moment(line->line, from, to);
   return nearest_double(root_of(fraction(moment * moment) / fraction(dot(edge, edge))));
 }
 
 double exact_sphere_distance(const ExactLine& line, const Solid& sphere) {
   // |r - l| = |r^2 - l^2| / (r + l) with l^2 = |m x d|^2 / d.d
-  const auto terms = sphere_terms<Exact>(line->line, sphere.corners[0], sphere.radius);
+  const auto terms = sphere_terms(line->line, sphere.corners[0], sphere.radius);
   const Exact& scale = line->line.scale;
   const Exact length2 = line->line.has_scale ? Exact(terms.length2 * scale * scale) : terms.length2;
   const Gmpq radius(static_cast<double>(sphere.radius));
@@ -386,12 +386,12 @@ ReferenceHit exact_values_at(const ExactLine& line, const Solid& solid, Root roo
     return hit;
   }
   const auto& [v0, v1, v2] = solid.corners;
-  const auto terms = plane_terms<Exact>(line->line, solid.corners);
+  const auto terms = plane_terms(line->line, solid.corners);
   hit.normal = unit_normal(line, {fraction(terms.normal.x), fraction(terms.normal.y), fraction(terms.normal.z)});
   const Gmpq determinant =
       line->line.has_scale ? fraction(terms.determinant * line->line.scale) : fraction(terms.determinant);
-  hit.barycentrics = {nearest_double(fraction(edge_moment<Exact>(line->line, v2, v0)) / determinant),
-                      nearest_double(fraction(edge_moment<Exact>(line->line, v0, v1)) / determinant)};
+  hit.barycentrics = {nearest_double(fraction(edge_moment(line->line, v2, v0)) / determinant),
+                      nearest_double(fraction(edge_moment(line->line, v0, v1)) / determinant)};
   return hit;
 }
 

@@ -28,9 +28,10 @@ Vec<BoundedT> unit(const Vec<BoundedT>& v) {
 }
 
 /// Fills `hit` where the bounds are good enough everywhere. `line` is the filter's; `map` is null in the world.
-bool bounded_values(const Filter& filter, const LineOf<BoundedT>& line, const Line& world, const InstanceMap* map,
-                    const Solid& solid, Root root, ReferenceHit& hit) {
-  const BoundedT s = filter.s_of(solid, root), t = filter.t_of(solid, root);
+template <class L>
+bool bounded_values(const Filter& filter, const L& line, const Line& world, const InstanceMap* map, const Solid& solid,
+                    Root root, ReferenceHit& hit) {
+  const BoundedT s = filter.s_of(solid, root), t = filter.t_of(s);
   if (!std::isfinite(t.value) || !(t.error <= 0x1p-54L * std::fabs(t.value))) return false;
   // t is the same in the world. The shifts are long and have few bits: their difference loses next to nothing.
   const long double ratio = static_cast<long double>(filter.line().unit) / world.unit;
@@ -43,7 +44,7 @@ bool bounded_values(const Filter& filter, const LineOf<BoundedT>& line, const Li
   hit.position = rounded(position);
   Vec<BoundedT> normal;
   if (solid.is_sphere) {
-    normal = line.direction * s - line.see(solid.corners[0]);
+    normal = line.heading() * s - line.see(solid.corners[0]);
   } else {
     const auto& [v0, v1, v2] = solid.corners;
     const auto terms = plane_terms(line, solid.corners);
@@ -85,8 +86,8 @@ ReferenceHit hit_on(Filter& filter, const Ray& ray, const Line& world, const Ins
   }
   const BoundedT t = filter.t_of(solid, root);
   met = met && filter.compare_t(solid, root, t, 0.0) > 0 && filter.compare_t(solid, root, t, ray.t_max) <= 0;
-  const bool bounded = filter.with_wide(
-      [&](const LineOf<BoundedT>& line) { return bounded_values(filter, line, world, map, solid, root, hit); });
+  const bool bounded =
+      filter.with_wide([&](const auto& line) { return bounded_values(filter, line, world, map, solid, root, hit); });
   if (!bounded) hit = exact_values_at(filter.exact(), solid, root);
   hit.kind = met ? HitKind::hit : HitKind::miss;
   return hit;

@@ -40,11 +40,11 @@ class Filter {
   /// errors are zero, which the compiler is to know: hence two calls.
   template <class F>
   auto with_bounded(F&& f) const {
-    return local_ == nullptr ? f(bounded_line<double>(line_, {})) : f(bounded_line<double>(line_, errors_of(line_)));
+    return local_ == nullptr ? f(WorldLineOf<double>{line_}) : f(bounded_line<double>(line_));
   }
   template <class F>
   auto with_wide(F&& f) const {
-    return local_ == nullptr ? f(bounded_line<long double>(line_, {})) : f(local_->wide);
+    return local_ == nullptr ? f(WorldLineOf<long double>{line_}) : f(local_->wide);
   }
   /// The line in exact numbers, made when it is first asked for.
   const ExactLine& exact();
@@ -63,9 +63,10 @@ class Filter {
   /// Where the line meets the primitive, which it must (for a triangle: its plane): s counts from the line's point, t
   /// is the ray's.
   BoundedT s_of(const Solid& solid, Root root) const;
-  BoundedT t_of(const Solid& solid, Root root) const {
-    return scaled(BoundedT(line_.shift) + s_of(solid, root), static_cast<long double>(line_.unit));
+  BoundedT t_of(const BoundedT& s) const {
+    return scaled(BoundedT(line_.shift) + s, static_cast<long double>(line_.unit));
   }
+  BoundedT t_of(const Solid& solid, Root root) const { return t_of(s_of(solid, root)); }
   /// The sign of t - limit; limit may be infinite.
   int compare_t(const Solid& solid, Root root, const BoundedT& t, double limit);
   /// The sign of one's t minus the t of another, which is in the space of `filter_b`; both of the same ray.
