@@ -304,6 +304,7 @@ TEST_CASE("Keys that are unknown are told with what may have been meant, wrong t
   check_error("{\"background\": [1, -2, 3]}", "scene.json:1: background: a colour must not be negative");
   check_error("{\"background\":\n[1,\n\"x\", 3]}", "scene.json:3: background[1]: expected a number, found a string");
   check_error("{\"background\": [1, 2, 1e39]}", "scene.json:1: background[2]: too large for a 32-bit number");
+  check_error("{\"background\": [1,\n1e39\n,\n2]}", "scene.json:2: background[1]: too large");  // ends with its line
   check_error("{\"lights\": [{\"color\": [1, 1, 1]}]}", "scene.json:1: lights[0]: the key 'position' is missing");
   check_error("{\"lights\": [{\"position\": [1, 1, 1], \"radius\": -1}]}",
               "scene.json:1: lights[0].radius: expected a number from 0 to");

@@ -91,6 +91,11 @@ TEST_CASE("transform_error refuses what is singular or not finite, and nothing e
   CHECK(is_singular(glm::mat3(glm::vec3(1, 0, 0), glm::vec3(0, 0, 0), glm::vec3(0, 0, 1))));
   CHECK(is_singular(glm::mat3(glm::vec3(1, 2, 3), glm::vec3(2, 4, 6), glm::vec3(0, 0, 1))));
   CHECK(is_singular(glm::mat3(glm::vec3(1, 1, 0), glm::vec3(0, 1, 1), glm::vec3(1, 2, 1))));
+  // The third column is the exact sum of the others, of numbers whose products round in double and in long double.
+  const glm::vec3 a(1234567, 7654321, 2345678), b(3456789, 987654, 5432109);
+  CHECK(is_singular(glm::mat3(a, b, a + b)));
+  CHECK(is_singular(glm::transpose(glm::mat3(a, b, a - b))));
+  CHECK_FALSE(is_singular(glm::mat3(a, b, a + b + glm::vec3(1, 0, 0))));
   // One unit in the last place away from singular is regular.
   CHECK_FALSE(
       is_singular(glm::mat3(glm::vec3(1, 1, 0), glm::vec3(0, 1, 1), glm::vec3(1, std::nextafter(2.0f, 3.0f), 1))));
