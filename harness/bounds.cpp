@@ -296,21 +296,23 @@ ValueBounds triangle_bounds(const BoundsContext& c, const PlacedRay& ray, std::u
 
 }  // namespace
 
-BoundsContext make_bounds_context(const Scene& scene) {
+BoundsContext make_bounds_context(const Scene& scene, const SceneTree& tree) {
   BoundsContext c;
   c.scene = &scene;
-  c.world.ball = bounding_ball(scene);
+  c.world.ball = scene.nodes.empty() ? bounding_ball(scene) : tree.groups.front().content;
   for (std::uint32_t p = 0; p < scene.world_triangle_count(); ++p) include_triangle(scene, p, c.world);
   for (std::uint32_t i = 0; i < scene.world_sphere_count(); ++i) include_sphere(scene.spheres[i], c.world);
-  for (const Part& part : scene.parts) {
+  for (std::size_t p = 0; p < scene.parts.size(); ++p) {
+    const Part& part = scene.parts[p];
     SpaceExtent& space = c.parts.emplace_back();
-    space.ball = bounding_ball(scene, part);
+    space.ball = tree.part_balls[p];
     for (std::uint32_t i = 0; i < part.triangle_count; ++i) include_triangle(scene, part.first_triangle + i, space);
     for (std::uint32_t i = 0; i < part.sphere_count; ++i) include_sphere(scene.spheres[part.first_sphere + i], space);
   }
-  std::vector<Ball> balls;
-  for (const SpaceExtent& part : c.parts) balls.push_back(part.ball);
-  c.spaces = make_placed_spaces(scene, balls);
+  std::vector<Ball> contents;
+  for (std::uint32_t n = 0; n < scene.nodes.size(); ++n)
+    contents.push_back(scene.nodes[n].part == kNone ? tree.groups[n + 1].content : c.parts[scene.nodes[n].part].ball);
+  c.spaces = make_placed_spaces(scene, contents);
   c.longest_edge = c.world.longest_edge;
   c.largest_radius = c.world.largest_radius;
   for (std::uint32_t n = 0; n < scene.nodes.size(); ++n) {

@@ -12,13 +12,14 @@
 #include "harness/placed_ray.h"
 #include "scenes/ray.h"
 #include "scenes/scene.h"
+#include "tracer/scene_tree.h"
 
 namespace plumbline {
 
 /// What the bounds need to know of one space, the world or a part: where its ball is, since the tracer moves far
 /// origins near it, and how large its primitives are. Lengths are in units of the space.
 struct SpaceExtent {
-  Ball ball;                     ///< of the world: around everything that is placed
+  Ball ball;                     ///< as the tracer has it; of the world: around everything that is placed
   double longest_edge = 0.0;     ///< of all triangles; 0 without triangles
   double smallest_radius = 0.0;  ///< of all spheres; 0 without spheres
   double largest_radius = 0.0;   ///< likewise
@@ -38,7 +39,8 @@ struct BoundsContext {
     return instance == kNone ? world : parts[scene->nodes[instance].part];
   }
 };
-BoundsContext make_bounds_context(const Scene& scene);
+/// `tree`: the tracer's, whose balls decide which origins are far and where they are moved.
+BoundsContext make_bounds_context(const Scene& scene, const SceneTree& tree);
 
 /// The ray in an instance's space (kNone: the world's). `left`: how many transforms the tracer may have left by their
 /// inverses when it met the primitive; 0 where it restores the ray.

@@ -147,8 +147,8 @@ std::uint64_t grazing_budget(const Stage& stage, RayFamily family, std::uint64_t
   if (!is_random_family(family)) return rays;
   const Scene& scene = stage.scene;
   BoundsContext context = stage.judge.bounds;
-  const double radius = context.world.ball.radius;
-  const Ray typical{glm::vec3(context.world.ball.center + glm::dvec3(2.0 * radius, 0.0, 0.0)), {-1.0f, 0.0f, 0.0f}};
+  const double radius = stage.rays.ball.radius;
+  const Ray typical{glm::vec3(stage.rays.ball.center + glm::dvec3(2.0 * radius, 0.0, 0.0)), {-1.0f, 0.0f, 0.0f}};
   // Twice the sum of lengths of edges, each edge told twice, and 4 r, of a range of primitives.
   const auto outlines = [&](std::uint32_t first_triangle, std::uint32_t triangles, std::uint32_t first_sphere,
                             std::uint32_t spheres) {

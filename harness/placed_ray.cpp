@@ -52,8 +52,9 @@ double norm_of(const glm::dmat3& m) {
   return std::sqrt(glm::dot(m[0], m[0]) + glm::dot(m[1], m[1]) + glm::dot(m[2], m[2]));
 }
 
-NodeStep make_step(const Transform& transform) {
+NodeStep make_step(const Transform& transform, const Ball& content) {
   NodeStep s;
+  s.content = content;
   s.linear = glm::dmat3(transform.linear);
   s.translation = glm::dvec3(transform.translation);
   s.abs_linear = abs_of(s.linear);
@@ -77,37 +78,13 @@ NodeStep make_step(const Transform& transform) {
   return s;
 }
 
-/// Balls around what stands behind each node, from the innermost outwards: about the centre of the box around its
-/// children's.
-void set_contents(const Scene& scene, const std::vector<Ball>& parts, std::vector<NodeStep>& nodes) {
-  struct Box {
-    glm::dvec3 lower{std::numeric_limits<double>::infinity()}, upper{-std::numeric_limits<double>::infinity()};
-  };
-  std::vector<Box> boxes(nodes.size());
-  const auto in_parent = [&](std::uint32_t n) {
-    const NodeStep& s = nodes[n];
-    return Ball{s.linear * s.content.center + s.translation, largest_stretch(s.linear) * s.content.radius};
-  };
-  for (std::uint32_t n = static_cast<std::uint32_t>(nodes.size()); n-- > 0;) {
-    const Node& node = scene.nodes[n];
-    if (node.part != kNone) nodes[n].content = parts[node.part];
-    const Box& own = boxes[n];
-    if (node.part == kNone && own.lower.x <= own.upper.x)
-      nodes[n].content = {0.5 * (own.lower + own.upper), 0.5 * glm::length(own.upper - own.lower)};
-    if (node.parent == kNone || (node.part == kNone && !(own.lower.x <= own.upper.x))) continue;
-    const Ball ball = in_parent(n);
-    Box& box = boxes[node.parent];
-    box.lower = glm::min(box.lower, ball.center - glm::dvec3(ball.radius));
-    box.upper = glm::max(box.upper, ball.center + glm::dvec3(ball.radius));
-  }
-}
-
 }  // namespace
 
-PlacedSpaces make_placed_spaces(const Scene& scene, const std::vector<Ball>& parts) {
+PlacedSpaces make_placed_spaces(const Scene& scene, std::span<const Ball> contents) {
+  PLUMBLINE_ASSERT(contents.size() == scene.nodes.size());
   PlacedSpaces p;
-  for (const Node& node : scene.nodes) p.nodes.push_back(make_step(node.transform));
-  set_contents(scene, parts, p.nodes);
+  for (std::uint32_t n = 0; n < scene.nodes.size(); ++n)
+    p.nodes.push_back(make_step(scene.nodes[n].transform, contents[n]));
   p.instances.resize(scene.nodes.size());
   // Of each node, from the world to its space: sizes grow by `grown` |o| + `base`; entering adds at most the numbers
   // that follow, in the node's units (see place_ray); `outward` takes errors back to the world.

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "scenes/ray.h"
@@ -44,8 +45,8 @@ struct PlacedSpaces {
   double entering_offset = 0.0;        ///< at most entering_scale * (|o| + distance) + entering_offset
   double carried = 1.0;                ///< how much entering may magnify an error of the world's ray, seen in the world
 };
-/// `parts`: the balls of Scene::parts.
-PlacedSpaces make_placed_spaces(const Scene& scene, const std::vector<Ball>& parts);
+/// `contents`: of each node, the ball around what stands behind it, near which the tracer moves far origins.
+PlacedSpaces make_placed_spaces(const Scene& scene, std::span<const Ball> contents);
 
 /// A ray in the space where a primitive stands.
 struct PlacedRay {

@@ -40,8 +40,8 @@ Stage::Stage(const std::string& spec_, Scene scene_)
       topology(make_topology(scene)),
       arbiter(scene),
       embree(scene),
-      judge(make_judge(scene, arbiter, topology)),
       tree(build_scene_tree(scene, BakeOptions{}.tree)),
+      judge(make_judge(scene, arbiter, topology, tree)),
       image(bake(scene, tree, BakeOptions{})),
       rays(scene, node_spheres(scene, tree)) {}
 

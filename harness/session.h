@@ -34,8 +34,8 @@ class Stage {
   const Topology topology;
   const Arbiter arbiter;
   const EmbreeScene embree;
+  const SceneTree tree;  ///< of the default variant
   const Judge judge;
-  const SceneTree tree;       ///< of the default variant
   const GeometryImage image;  ///< of the default variant
   RaySource rays;             ///< tangents aim at the spheres of `tree`; `secondary` rays are captured by Session
 

@@ -143,7 +143,7 @@ Case updates_case(const ListedScene& scene, std::uint64_t per_family) {
     const Stage& start = context.session.stage(self.spec);
     if (is_skipped(start, record)) return;
     const std::uint64_t seed = case_seed(context.seed, self.name);
-    const double reach = start.judge.bounds.world.ball.radius;
+    const double reach = start.rays.ball.radius;
     const std::uint32_t count = static_cast<std::uint32_t>(start.scene.nodes.size());
     Moving moving(context.session, start);
     Random random(seed, name_hash("moved nodes"), 0);

@@ -106,8 +106,8 @@ std::size_t kept_of(Verdict verdict) {
   return is_failure(verdict) ? 24 : 6;
 }
 
-Judge make_judge(const Scene& scene, const Arbiter& arbiter, const Topology& topology) {
-  return {&scene, &arbiter, &topology, false, make_bounds_context(scene)};
+Judge make_judge(const Scene& scene, const Arbiter& arbiter, const Topology& topology, const SceneTree& tree) {
+  return {&scene, &arbiter, &topology, false, make_bounds_context(scene, tree)};
 }
 
 std::uint32_t left_by(const Judge& judge, const Hit& tracer) { return judge.drifts ? tracer.transforms : 0; }

@@ -48,7 +48,7 @@ struct Judge {
   bool drifts = false;  ///< the tracer leaves transforms by their inverses: bounds grow with Hit::transforms
   BoundsContext bounds;
 };
-Judge make_judge(const Scene& scene, const Arbiter& arbiter, const Topology& topology);
+Judge make_judge(const Scene& scene, const Arbiter& arbiter, const Topology& topology, const SceneTree& tree);
 /// How many transforms the tracer may have left by their inverses on its way to this answer.
 std::uint32_t left_by(const Judge& judge, const Hit& tracer);
 

@@ -17,12 +17,14 @@ struct Bench {
   Scene scene;
   Topology topology;
   Arbiter arbiter;
+  SceneTree tree;
   Judge judge;
   explicit Bench(Scene s)
       : scene(std::move(s)),
         topology(make_topology(scene)),
         arbiter(scene),
-        judge(make_judge(scene, arbiter, topology)) {}
+        tree(build_scene_tree(scene)),
+        judge(make_judge(scene, arbiter, topology, tree)) {}
 };
 
 Scene triangles(std::vector<glm::vec3> positions, std::vector<std::array<std::uint32_t, 3>> faces) {
