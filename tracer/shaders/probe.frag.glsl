@@ -21,7 +21,7 @@ layout(location = 3) out uvec4 out_3;  // instance + 1, or 0 in the world; trans
 #define STATE_TEXELS 3
 #endif
 
-void start_or_resume(ivec2 pixel) {
+void start() {
   walk.cluster_at = -1;
   walk.cluster_next = 0;
   walk.steps = 0;
@@ -43,6 +43,10 @@ void start_or_resume(ivec2 pixel) {
   nearest.space = SPACE_NONE;
 #endif
   start_walk();
+}
+
+void start_or_resume(ivec2 pixel) {
+  start();
   if (pass_range.y != 0) {
     ivec2 at = ivec2(pixel.x * STATE_TEXELS, pixel.y);
     uvec4 s0 = texelFetch(u_state, at, 0);
@@ -211,5 +215,12 @@ void main() {
   write_captured(unfinished);
 #endif
   bool complete = write_result(origin_and_end.w);
+#if defined(OUT_INVERSE) && !defined(THOROUGH) && !defined(CAPTURE)
+  // A ray that drifts cannot be derived again in the middle of an instance: the thorough program starts anew.
+  if (unfinished) {
+    ray = world_ray;
+    start();
+  }
+#endif
   if (unfinished || !complete) write_unfinished();
 }
