@@ -71,6 +71,69 @@ void swap_two_skips(GeometryImage& image) {
   }
 }
 
+Scene nested() { return load_scene("nested"); }
+Scene shear() { return load_scene("shear"); }
+Scene around_eye() { return load_scene("around_eye"); }
+
+/// The nested scene with every node that stands in the world a step away from its place at rest.
+Scene nested_moved() {
+  Scene scene = nested();
+  const auto step = static_cast<float>(0.5 * bounding_ball(scene).radius);
+  for (std::uint32_t n = 0; n < scene.nodes.size(); ++n)
+    if (scene.nodes[n].parent == kNone)
+      scene.nodes[n].transform.translation += glm::vec3(n % 2 == 0 ? step : -step, step, 0.0);
+  return scene;
+}
+
+/// Spheres as they stand when every node is at rest, over records of where the nodes are now.
+void forget_to_refit(GeometryImage& image, const Stage& stage) {
+  Scene at_rest = stage.scene;
+  for (Node& node : at_rest.nodes) node.transform = node.rest;
+  const GeometryImage before = bake(at_rest, image.options);
+  PLUMBLINE_ASSERT(before.primitive_start == image.primitive_start && before.texels.size() == image.texels.size());
+  std::copy_n(before.texels.begin(), image.primitive_start, image.texels.begin());
+}
+
+/// What can go wrong with transforms (the paper, section 6).
+void add_transform_faults(std::vector<Fault>& faults) {
+  using V = Verdict;
+  const std::vector<V> expected{V::tracer_wrong, V::leak, V::capped};
+  const auto add = [&](const char* name, const char* what, Scene (*scene)(), const char* file, const char* find,
+                       const char* replace, TransformOut out = TransformOut::restore) {
+    faults.push_back({name, what, scene, expected, {}, {{file, find, replace}}, out});
+  };
+  add("transform_out_missing", "The ray is not taken out of a transform again.", nested, "change_space.glsl",
+      "derive_ray(outer);", "");
+  add("out_by_the_matrix_of_in", "The way out of a transform multiplies by the matrix of the way in.", nested,
+      "change_space.glsl",
+      "vec4 row_0 = record_texel(node, 3), row_1 = record_texel(node, 4), row_2 = record_texel(node, 5);",
+      "vec4 row_0 = record_texel(node, 0), row_1 = record_texel(node, 1), row_2 = record_texel(node, 2);",
+      TransformOut::inverse);
+  add("normal_by_the_matrix", "Normals come out by the matrix instead of the inverse transpose.", shear,
+      "probe.frag.glsl", "normal = times_transposed(back_0, back_1, back_2, normal);",
+      "normal = times(row_0, row_1, row_2, normal);");
+  add("t_left_local", "t stays in units of the instance's walking ray.", nested, "candidate.glsl",
+      "PRECISE float t_world = t * ray.t_scale + ray.t_shift;", "PRECISE float t_world = t;");
+  add("parents_matrix_only", "A node inside another is entered with the outer one's matrix alone.", nested,
+      "change_space.glsl", "    enter_space(node);\n#endif",
+      "    if (record_texel(node, 7).z < 1.5) enter_space(node);\n#endif");
+  faults.push_back({"sphere_not_refitted",
+                    "Nodes have moved, but the spheres above them stand where they were.",
+                    nested_moved,
+                    expected,
+                    forget_to_refit,
+                    {}});
+  add("transform_behind_the_eye", "A transform whose own origin lies behind the ray's is not entered.", around_eye,
+      "walk_compact.glsl", "    if (in_cluster && transform >= 0) walk.request = transform;",
+      "    vec3 pivot = vec3(record_texel(max(transform, 0), 0).w, record_texel(max(transform, 0), 1).w,\n"
+      "                      record_texel(max(transform, 0), 2).w);\n"
+      "    bool is_behind = dot(pivot - ray.o, ray.dn) < 0.0;\n"
+      "    if (in_cluster && transform >= 0 && !is_behind) walk.request = transform;\n"
+      "    if (in_cluster && transform >= 0 && is_behind) at += NODE_TEXELS;");
+  add("instance_of_the_parent", "The instance reported is the node around it.", nested, "probe.frag.glsl",
+      "hit ? uint(nearest.space + 1) : 0u", "hit && nearest.space >= 0 ? uint(record_texel(nearest.space, 3).w) : 0u");
+}
+
 }  // namespace
 
 std::vector<Fault> all_faults() {
@@ -104,7 +167,7 @@ std::vector<Fault> all_faults() {
          "candidate.glsl", "(t < nearest.t || (t == nearest.t && label < nearest.label))",
          "t <= nearest.t && nearest.label >= NO_LABEL");
   shader("behind_the_origin", "Hits behind the ray's origin count.", creature, {V::tracer_wrong}, "candidate.glsl",
-         "if (hit && t > ray.t_low &&", "if (hit &&");
+         "if (hit && t > ray.t_low && (t < nearest.t ||", "if (hit && (t < nearest.t ||");
   shader("t_max_exclusive_by_far", "Hits in the last thousandth before t_max are lost.", creature,
          {V::tracer_wrong, V::leak}, "ray_prepare.glsl", "float t_end = scale_exactly(t_max, -ray.exponent);",
          "float t_end = scale_exactly(t_max, -ray.exponent) * 0.999;");
@@ -120,12 +183,14 @@ std::vector<Fault> all_faults() {
   shader("t_off_by_1e-5", "t is too large by one part in 10^5.", creature, {V::tracer_wrong}, "triangle.glsl",
          "hit.t = (((u * a.z + v * b.z) + w * c.z) * inverse) * ray.shear.z;",
          "hit.t = (((u * a.z + v * b.z) + w * c.z) * inverse) * ray.shear.z * 1.00001;");
+  add_transform_faults(faults);
   return faults;
 }
 
 FaultResult run_fault(Session& session, const Fault& fault, std::uint64_t seed) {
   Stage& stage = session.stage("fault " + fault.name, fault.scene());
-  GeometryImage image = stage.image;
+  const Judge judge = stage.judge_of(fault.out);
+  GeometryImage image = stage.image_of(fault.out);
   if (fault.change_image) fault.change_image(image, stage);
   Probe broken(session.context(), image, Traversal::tree, fault.patches);
 
@@ -135,17 +200,19 @@ FaultResult run_fault(Session& session, const Fault& fault, std::uint64_t seed) 
     generate_rays_parallel(stage.rays, family.family, seed, 0, rays);
     TraceBuffers buffers;
     Tally sound, faulty;
-    trace_and_judge(stage.judge, session.probe(stage), stage.embree, rays, 0, seed, buffers, sound);
+    trace_and_judge(judge, session.probe(stage, fault.out), stage.embree, rays, 0, seed, buffers, sound);
     for (const Verdict v : kVerdicts)
       if (is_failure(v) && sound[v] > 0)
         throw EnvironmentError("the tracer fails " + std::string(family.name) + " on the scene of fault " + fault.name +
                                " without the fault");
-    trace_and_judge(stage.judge, broken, stage.embree, rays, 0, seed, buffers, faulty);
+    trace_and_judge(judge, broken, stage.embree, rays, 0, seed, buffers, faulty);
     for (const Verdict v : fault.expected) {
       if (faulty[v] == 0) continue;
+      const std::string group = stage.scene.nodes.empty() ? "hits" : std::string("transforms.") + name_of(fault.out);
       result.verdict = v;
-      result.caught_by = std::string(family.name) + ": " + std::to_string(faulty[v]) + " of " + std::to_string(kRays) +
-                         " rays " + std::string(verdict_name(v));
+      result.caught_by = group + "." + std::string(family.name) + "." + stage.scene.name + ": " +
+                         std::to_string(faulty[v]) + " of " + std::to_string(kRays) + " rays " +
+                         std::string(verdict_name(v));
       return result;
     }
   }

@@ -18,7 +18,8 @@ struct Fault {
   std::vector<Verdict> expected;  ///< the verdicts that may tell of it
   /// Changes the image in one place; empty: the image is left as it is.
   std::function<void(GeometryImage&, const Stage&)> change_image;
-  std::vector<ShaderPatch> patches;  ///< empty: the shader is left as it is
+  std::vector<ShaderPatch> patches;          ///< empty: the shader is left as it is
+  TransformOut out = TransformOut::restore;  ///< the variant that it is seeded in
 };
 
 /// Every seeded fault, in a fixed order.
@@ -26,7 +27,7 @@ std::vector<Fault> all_faults();
 
 struct FaultResult {
   std::string name, what;
-  std::string caught_by;             ///< "chords: 12 of 65536 rays tracer_wrong"; empty: nothing caught it
+  std::string caught_by;             ///< "hits.chords: 12 of 65536 rays tracer_wrong"; empty: nothing caught it
   Verdict verdict = Verdict::agree;  ///< the failing verdict that told of it
 };
 
