@@ -26,8 +26,10 @@ Transform tumbled(Random& random) {
   return {glm::mat3(glm::mat3_cast(turn) * scale), glm::vec3(0.05 * random.direction())};
 }
 
-/// A wall in world space behind transforms that rays pass through without hitting anything: `count` nodes that stand
-/// one inside the other (nested) or all in one place. What they show is two grains at the ends of a long diameter.
+/// A wall behind transforms that rays pass through without hitting anything: `count` nodes that stand one inside the
+/// other (nested) or all in one place. What they show is two grains at the ends of a long diameter. The wall is the
+/// last node, with the identity for a transform: what stands in the world itself is walked before the nodes, so it
+/// would not see the drift.
 Scene drift_scene(std::uint32_t count, bool nested) {
   Scene s;
   s.name = "drift";
@@ -35,16 +37,21 @@ Scene drift_scene(std::uint32_t count, bool nested) {
   s.positions = {{-40, -40, 6}, {40, -40, 6}, {0, 60, 6.5}};
   s.triangles.push_back({{0, 1, 2}});
   s.spheres = {{{3, 0, 0}, 0.001f, 0}, {{-3, 0, 0}, 0.001f, 0}};
+  s.parts.push_back({"wall", 0, 1, 0, 0});
   s.parts.push_back({"grains", 1, 0, 0, 2});
   Random random(1, name_hash("drift"), count * 2 + nested);
   for (std::uint32_t i = 0; i < count; ++i) {
     Node node;
     node.name = "node " + std::to_string(i);
     node.parent = nested && i > 0 ? i - 1 : kNone;
-    node.part = !nested || i + 1 == count ? 0 : kNone;
+    node.part = !nested || i + 1 == count ? 1 : kNone;
     node.transform = node.rest = tumbled(random);
     s.nodes.push_back(node);
   }
+  Node wall;
+  wall.name = "wall";
+  wall.part = 0;
+  s.nodes.push_back(wall);
   frame_camera(s);
   return s;
 }
@@ -57,7 +64,10 @@ struct Errors {
 Errors drift_of(Session& session, const Scene& scene, TransformOut out, std::uint32_t transforms, std::uint64_t seed) {
   BakeOptions options;
   options.transform_out = out;
+  options.links = Links::threaded;  // with the list: nodes are walked in their order, the wall last
+  options.transform_list = TransformList::root;
   const GeometryImage image = bake(scene, options);
+  const auto wall = static_cast<std::uint32_t>(scene.nodes.size() - 1);
   std::vector<Ray> rays(kDriftRays);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     Random random(seed, name_hash("drift rays"), i);
@@ -69,8 +79,8 @@ Errors drift_of(Session& session, const Scene& scene, TransformOut out, std::uin
   const double unit = 0x1p-24 * bounding_ball(scene).radius;
   std::vector<double> errors;
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    if (hits[i].kind != HitKind::hit || hits[i].instance != kNone || hits[i].transforms != transforms) continue;
-    const ReferenceHit truth = exact_hit(scene, rays[i], kNone, hits[i].primitive);
+    if (hits[i].kind != HitKind::hit || hits[i].instance != wall || hits[i].transforms != transforms + 1) continue;
+    const ReferenceHit truth = exact_hit(scene, rays[i], wall, hits[i].primitive);
     errors.push_back(glm::length(glm::dvec3(hits[i].position) - truth.position) / unit);
   }
   if (errors.size() < kDriftRays / 2)
