@@ -78,7 +78,7 @@ Scene around_eye() { return load_scene("around_eye"); }
 /// The nested scene with every node that stands in the world a step away from its place at rest.
 Scene nested_moved() {
   Scene scene = nested();
-  const auto step = static_cast<float>(0.5 * bounding_ball(scene).radius);
+  const auto step = static_cast<float>(1.5 * bounding_ball(scene).radius);
   for (std::uint32_t n = 0; n < scene.nodes.size(); ++n)
     if (scene.nodes[n].parent == kNone)
       scene.nodes[n].transform.translation += glm::vec3(n % 2 == 0 ? step : -step, step, 0.0);
