@@ -10,9 +10,11 @@
 #include "harness/hit_cases.h"
 #include "harness/scene_list.h"
 #include "harness/session.h"
+#include "harness/transform_cases.h"
 #include "scenes/camera.h"
 #include "scenes/error.h"
 #include "scenes/generate.h"
+#include "scenes/random.h"
 
 namespace plumbline {
 namespace {
@@ -78,15 +80,19 @@ class Bench {
     });
     for (const ListedScene& s : real_scenes())
       if (s.name == "bunny" || s.name == "medieval") scenes.push_back(s);
+    const std::size_t plain = scenes.size();
+    for (const ListedScene& s : placed_scenes())
+      if (s.name == "crowd" || s.name == "figure_1") scenes.push_back(s);
     const double parts = static_cast<double>(scenes.size()) + 2.0;
     for (std::size_t i = 0; i < scenes.size(); ++i) {
       base_ = static_cast<double>(i) / parts;
       width_ = 1.0 / parts;
       of_scene(scenes[i]);
+      if (scenes[i].has_nodes) of_transforms(scenes[i]);
     }
     growth();
     base_ = (parts - 2.0) / parts;
-    if (options_.variants) variants(scenes.back());
+    if (options_.variants) variants(scenes[plain - 1]);
     base_ = (parts - 1.0) / parts;
     bakes();
     return std::move(metrics_);
@@ -139,6 +145,64 @@ class Bench {
       shares.push_back(1.0 - buffers.trace_seconds / seconds_since(start));
     }
     add("overhead.check." + scene.name, "share", shares);
+  }
+
+  /// What moving a node costs beside a bake, and the two ways out of a transform and of keeping transforms side by
+  /// side.
+  void of_transforms(const ListedScene& scene) {
+    Stage& stage = session_.stage(scene.spec);
+    const std::vector<Ray> rays = frame_rays(stage.scene);
+    std::vector<Hit> hits(rays.size());
+    const auto seconds = [&](Probe& probe) {
+      probe.trace(rays, hits);
+      return probe.draw_seconds();
+    };
+    BakeOptions listed;
+    listed.transform_list = TransformList::root;
+    const GeometryImage list = bake(stage.scene, listed);
+    std::vector<double> inverse, listing;
+    for (int i = -1; i < options_.rounds; ++i) {
+      const double restore = seconds(session_.probe(stage));
+      const double inverted = seconds(session_.probe(stage, TransformOut::inverse));
+      const double in_list = seconds(session_.probe(list));
+      if (i < 0) continue;
+      inverse.push_back(inverted / restore);
+      listing.push_back(in_list / restore);
+    }
+    add("restore_vs_inverse." + scene.name, "ratio", inverse);
+    add("list_vs_tree." + scene.name, "ratio", listing);
+
+    Scene moving = stage.scene;
+    SceneTree tree = stage.tree;
+    GeometryImage image = stage.image;
+    Probe probe(session_.context(), image);
+    const double reach = stage.rays.ball.radius;
+    std::vector<double> shares, updates, bakes, uploads;
+    for (int i = 0; i < options_.rounds; ++i) {
+      const auto bake_start = Clock::now();
+      const SceneTree anew = build_scene_tree(moving);
+      const GeometryImage baked = bake(moving, anew, BakeOptions{});
+      bakes.push_back(seconds_since(bake_start));
+      constexpr int kMoves = 100;
+      double spent = 0.0;
+      for (int k = 0; k < kMoves; ++k) {
+        const std::uint32_t node =
+            static_cast<std::uint32_t>(mix64(static_cast<std::uint64_t>(i * kMoves + k)) % moving.nodes.size());
+        Node& moved = moving.nodes[node];
+        const double size = stage.judge.bounds.spaces.nodes[node].content.radius;
+        moved.transform = nearby(moved.rest, std::min(size, reach), 1, static_cast<std::uint64_t>(k));
+        const auto start = Clock::now();
+        probe.update(image, update_transforms(moving, {&node, 1}, tree, image));
+        spent += seconds_since(start);
+        uploads.push_back(static_cast<double>(probe.texels_uploaded()));
+      }
+      updates.push_back(spent / kMoves);
+      shares.push_back(updates.back() / bakes.back());
+    }
+    add("update_vs_bake." + scene.name, "ratio", shares);
+    add("update_seconds." + scene.name, "s", updates);
+    add("bake_seconds." + scene.name, "s", bakes);
+    add("update_texels." + scene.name, "texels", uploads);
   }
 
   void growth() {
