@@ -50,8 +50,8 @@ class CountingIterator {
   Progress* progress_;
 };
 
-/// Builds JsonValues from the parser's events. The lines come from how far the parser has read: a token ends with the
-/// character before that, but a number only ends when the one behind it has been read.
+/// Builds JsonValues from the parser's events. The lines come from how far the parser has read: to the last character
+/// of a token, or one beyond the end of a number, which is still of its line where it is the line's end.
 class Builder {
  public:
   using number_integer_t = nlohmann::json::number_integer_t;
@@ -63,9 +63,9 @@ class Builder {
   Builder(const std::string& file, std::string_view text, const Progress& progress)
       : file_(file), text_(text), progress_(progress) {}
 
-  bool null() { return add(JsonValue::Kind::null, 1); }
+  bool null() { return add(JsonValue::Kind::null); }
   bool boolean(bool value) {
-    add(JsonValue::Kind::boolean, 1);
+    add(JsonValue::Kind::boolean);
     last_->boolean = value;
     return true;
   }
@@ -73,7 +73,7 @@ class Builder {
   bool number_unsigned(number_unsigned_t value) { return number(static_cast<double>(value)); }
   bool number_float(number_float_t value, const string_t&) { return number(value); }
   bool string(string_t& value) {
-    add(JsonValue::Kind::string, 1);
+    add(JsonValue::Kind::string);
     last_->text = std::move(value);
     return true;
   }
@@ -93,7 +93,7 @@ class Builder {
       if (level.known.empty()) level.known.insert(level.value->keys.begin(), level.value->keys.end());
       is_new = level.known.insert(key).second;
     }
-    key_line_ = line_of(1);
+    key_line_ = line();
     if (!is_new) throw InputError(file_, key_line_, "the key " + shown(key) + " stands twice in one object");
     level.value->keys.push_back(std::move(key));
     return true;
@@ -109,7 +109,7 @@ class Builder {
     }
     std::string clean;
     for (const char c : what.substr(0, 300)) clean += (c >= ' ' && c <= '~') ? c : '?';
-    throw InputError(file_, line_of(1), "not JSON: " + clean);
+    throw InputError(file_, line(), "not JSON: " + clean);
   }
 
   JsonValue root;
@@ -120,17 +120,14 @@ class Builder {
     std::unordered_set<std::string> known;
   };
 
-  /// The line of the character that lies `back` before the end of what was read.
-  std::size_t line_of(std::size_t back) {
-    const std::size_t end = std::min(progress_.read, text_.size());
-    const std::size_t at = end >= back ? end - back : 0;
-    // Lines are counted once, on the way; an unread number's end may lie one line back.
-    while (counted_ < at) newlines_ += text_[counted_++] == '\n' ? 1 : 0;
-    while (counted_ > at) newlines_ -= text_[--counted_] == '\n' ? 1 : 0;
+  /// The line of the last character that was read.
+  std::size_t line() {
+    const std::size_t last = progress_.read > 0 ? std::min(progress_.read, text_.size()) - 1 : 0;
+    while (counted_ < last) newlines_ += text_[counted_++] == '\n' ? 1 : 0;
     return newlines_ + 1;
   }
 
-  bool add(JsonValue::Kind kind, std::size_t back) {
+  bool add(JsonValue::Kind kind) {
     if (open_.empty()) {
       last_ = &root;
     } else {
@@ -138,16 +135,16 @@ class Builder {
     }
     last_->kind = kind;
     const bool is_member = !open_.empty() && open_.back().value->kind == JsonValue::Kind::object;
-    last_->line = is_member ? key_line_ : line_of(back);
+    last_->line = is_member ? key_line_ : line();
     return true;
   }
   bool number(double value) {
-    add(JsonValue::Kind::number, 2);
+    add(JsonValue::Kind::number);
     last_->number = value;
     return true;
   }
   bool open(JsonValue::Kind kind) {
-    add(kind, 1);
+    add(kind);
     if (open_.size() >= kDeepest)
       throw InputError(file_, last_->line, "nested deeper than " + std::to_string(kDeepest) + " levels");
     open_.push_back({last_, {}});
