@@ -130,6 +130,8 @@ namespace {
 /// The tracer moves an origin that is farther than this many radii from the ball's centre.
 constexpr double kNear = 1.999;  ///< it decides in floats: a ray that is near by a hair may have been moved
 
+double square(double x) { return x * x; }
+
 bool is_near(const PlacedRay& ray, const Ball& ball) {
   return glm::length(ray.origin - ball.center) + glm::length(ray.origin_error) <= kNear * ball.radius;
 }
@@ -143,6 +145,16 @@ void approach(const Ball& ball, PlacedRay& r) {
   r.origin_error += std::abs(step) * r.direction_error + glm::dvec3(0.5 * moved_error(ball));
   r.t_origin += step;
   r.t_rounding += 3.0 * u * (std::abs(step) + std::abs(r.t_origin));
+}
+
+/// What becomes of the origin in the space where the ray has arrived.
+void set_moved(const Ball& ball, PlacedRay& r) {
+  r.length = glm::length(r.direction);
+  const glm::dvec3 m = r.origin - ball.center;
+  const bool near = r.is_exact ? glm::dot(m, m) <= square(kNear * ball.radius) : is_near(r, ball);
+  if (near) return;
+  r.moved_error = moved_error(ball);
+  r.farthest = 4.0 * ball.radius;
 }
 
 void enter(const NodeStep& s, PlacedRay& r) {
@@ -164,10 +176,12 @@ PlacedRay place_ray(const PlacedSpaces& spaces, const Scene& scene, const Ball& 
   r.instance = instance;
   r.origin = glm::dvec3(ray.origin);
   r.direction = glm::dvec3(ray.direction);
-  if (instance != kNone || left > 0) {
-    approach(world, r);
-    r.is_exact = false;
+  if (instance == kNone && left == 0) {
+    set_moved(world, r);
+    return r;
   }
+  approach(world, r);
+  r.is_exact = false;
   if (left > 0) {
     const double n = left;
     r.origin_error += glm::dvec3(n * (spaces.drift.scale * glm::length(r.origin) + spaces.drift.offset));
@@ -184,12 +198,7 @@ PlacedRay place_ray(const PlacedSpaces& spaces, const Scene& scene, const Ball& 
     enter(s, r);
     if (depth > 0) approach(s.content, r);
   }
-  r.length = glm::length(r.direction);
-  const Ball& ball = instance == kNone ? world : spaces.nodes[instance].content;
-  if (!is_near(r, ball)) {
-    r.moved_error = moved_error(ball);
-    r.farthest = 4.0 * ball.radius;
-  }
+  set_moved(instance == kNone ? world : spaces.nodes[instance].content, r);
   return r;
 }
 

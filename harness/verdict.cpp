@@ -79,8 +79,11 @@ Judgement arbitrate(const Judge& judge, const Ray& ray, const Hit& tracer, const
   return j;
 }
 
-/// Both named this primitive: whether the tracer's values lie within their bounds of the reference's.
-bool values_agree(const Judge& judge, const Ray& ray, const Hit& tracer, const ReferenceHit& reference) {
+/// Whether both gave the same answer and the tracer's values lie within their bounds of the reference's.
+bool both_agree(const Judge& judge, const Ray& ray, const Hit& tracer, const ReferenceHit& reference) {
+  if (tracer.kind != reference.kind) return false;
+  if (tracer.kind == HitKind::miss) return true;
+  if (!is_same(answer_of(tracer), answer_of(reference))) return false;
   const PlacedRay placed = place_ray(judge.bounds, ray, tracer.instance, left_by(judge, tracer));
   // Most are settled by what costs next to nothing.
   if (is_within_bounds(least_value_bounds(judge.bounds, placed, tracer.primitive, reference.t), tracer, reference))
@@ -132,10 +135,7 @@ Judgement judge(const Judge& judge, const Ray& ray, const Hit& tracer, const Ref
             {},
             "The tracer named " + primitive_name(*judge.scene, tracer.instance, tracer.primitive) +
                 ", which does not exist."};
-  if (!arbitrate_always && tracer.kind == reference.kind) {
-    if (tracer.kind == HitKind::miss) return {};
-    if (is_same(answer_of(tracer), answer_of(reference)) && values_agree(judge, ray, tracer, reference)) return {};
-  }
+  if (!arbitrate_always && both_agree(judge, ray, tracer, reference)) return {};
   return arbitrate(judge, ray, tracer, reference);
 }
 
