@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+// The certificate: sound images of every kind pass.
+#include "tracer/verify.h"
+
+#include <catch2/catch.hpp>
+
+#include "scenes/generate.h"
+#include "tracer/tree_test_scenes.h"
+
+namespace plumbline {
+namespace {
+
+std::vector<BakeOptions> all_variants(bool with_lists) {
+  std::vector<BakeOptions> all;
+  for (const Layout layout : {Layout::compact, Layout::paper})
+    for (const Bounds bounds : {Bounds::sphere, Bounds::aabb})
+      for (const Links links : {Links::octant, Links::threaded})
+        for (const TransformList list : {TransformList::tree, TransformList::root}) {
+          if (list == TransformList::root && !with_lists) continue;
+          BakeOptions options;
+          options.layout = layout, options.bounds = bounds, options.links = links, options.transform_list = list;
+          options.width = 16;
+          all.push_back(options);
+        }
+  return all;
+}
+
+std::string described(const BakeOptions& o) {
+  return std::string(name_of(o.layout)) + " " + name_of(o.bounds) + " " + name_of(o.links) + " " +
+         name_of(o.transform_list);
+}
+
+std::string listed(const Certificate& certificate) {
+  std::string text;
+  for (const auto& [rule, count] : certificate.counts) text += rule + ": " + std::to_string(count) + "\n";
+  for (std::size_t i = 0; i < certificate.findings.size() && i < 4; ++i)
+    text += certificate.findings[i].rule + ": " + certificate.findings[i].message + "\n";
+  return text;
+}
+
+/// Every variant of the scene passes, with and without the scene at hand.
+void check_sound(const Scene& scene, const TreeOptions& tree_options = {}) {
+  const SceneTree trees[] = {build_scene_tree(scene, tree_options), build_scene_tree(scene, tree_options, true)};
+  for (const BakeOptions& options : all_variants(!scene.nodes.empty())) {
+    const SceneTree& tree = trees[options.transform_list == TransformList::root];
+    const GeometryImage image = bake(scene, tree, options);
+    const Certificate alone = certify(image), full = certify(image, &scene, &tree);
+    INFO(scene.name << " " << described(options));
+    INFO(listed(alone) << listed(full));
+    CHECK(alone.is_sound());
+    CHECK(full.is_sound());
+    CHECK(full.longest_walk == image.cell_count);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("sound images of every variant pass: generated scenes", "[verify]") {
+  check_sound(Scene{});
+  for (const char* name : {"creature", "tetra", "sphereflake:2", "cube"}) check_sound(load_scene(name));
+  check_sound(random_scene(1, 200, 200));
+}
+
+TEST_CASE("sound images of every variant pass: split triangles", "[verify]") {
+  for (const float split : {0.05f, 0.3f}) {
+    TreeOptions options;
+    options.split_long = split;
+    check_sound(random_scene(3, 100, 30, 1.0f), options);
+    options.leaf_size = 1;
+    check_sound(random_scene(3, 100, 0, 1.0f), options);
+  }
+}
+
+TEST_CASE("sound images of every variant pass: scenes that break builders", "[verify]") {
+  for (const Scene& scene : nasty_scenes()) {
+    try {
+      bake(scene);
+    } catch (const std::exception&) {
+      continue;  // refused
+    }
+    check_sound(scene);
+  }
+}
+
+TEST_CASE("sound images of every variant pass: scenes with transforms", "[verify]") {
+  for (const std::string& name : shipped_scenes()) check_sound(load_scene(name));
+}
+
+}  // namespace plumbline
