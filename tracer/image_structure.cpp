@@ -46,7 +46,7 @@ std::vector<std::uint32_t> leaves(const GeometryImage& image, const RegionCopy& 
 
 }  // namespace
 
-std::optional<RegionCopy> region_copy(const GeometryImage& image, std::uint32_t space, const glm::vec3& direction) {
+std::optional<RegionCopy> region_copy(const GeometryImage& image, std::uint32_t space, std::uint32_t copy) {
   std::uint64_t start = 0, size = image.copy_size;
   if (space != kNone) {
     if (space >= image.transform_count) return std::nullopt;
@@ -55,10 +55,8 @@ std::optional<RegionCopy> region_copy(const GeometryImage& image, std::uint32_t 
     if (!first || !count) return std::nullopt;
     start = *first, size = *count;
   }
-  const unsigned octant =
-      (direction.x < 0.0f ? 1u : 0u) + (direction.y < 0.0f ? 2u : 0u) + (direction.z < 0.0f ? 4u : 0u);
-  const std::uint64_t begin = start + (image.copy_count == 8 ? octant : 0u) * size;
-  if (size == 0 || begin + size > unit_count(image)) return std::nullopt;
+  const std::uint64_t begin = start + copy * size;
+  if (size == 0 || copy >= image.copy_count || begin + size > unit_count(image)) return std::nullopt;
   return RegionCopy{static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(begin + size)};
 }
 

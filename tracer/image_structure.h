@@ -16,9 +16,8 @@ struct RegionCopy {
   std::uint32_t begin = 0, end = 0;
 };
 
-/// The copy of the region behind a scene's node (kNone: the world's) that rays of this direction walk. Nothing where
-/// the node's record leads to none.
-std::optional<RegionCopy> region_copy(const GeometryImage& image, std::uint32_t space, const glm::vec3& direction);
+/// A copy of the region behind a scene's node (kNone: the world's). Nothing where the node's record leads to none.
+std::optional<RegionCopy> region_copy(const GeometryImage& image, std::uint32_t space, std::uint32_t copy);
 
 /// What a cell says as a node. Where links lead: a cell, or kNone: an end, or nowhere.
 struct NodeCell {

@@ -78,7 +78,9 @@ std::string difference(const WalkStep& a, const WalkStep& b) {
            std::to_string(b.primitives.size());
   for (std::size_t i = 0; i < std::min(a.changes.size(), b.changes.size()); ++i)
     if (std::string d = difference(a.changes[i], b.changes[i]); !d.empty()) return d + ", at " + place(a);
-  if (a.changes.size() != b.changes.size()) return "the changes of space at " + place(a) + " differ";
+  if (a.changes.size() != b.changes.size())
+    return "the first changes space " + std::to_string(a.changes.size()) + " times at " + place(a) + ", the second " +
+           std::to_string(b.changes.size());
   if (a.number != b.number || a.again != b.again) return "the count of steps at " + place(a) + " differs";
   return {};
 }

@@ -26,7 +26,8 @@ class Search {
  public:
   Search(const GeometryImage& image, const Walk& walk, const ExpectedHit& expected, const GeometryImage* sound)
       : image_(image), tree_(sound != nullptr ? *sound : image), walk_(walk), expected_(expected), sound_(sound) {
-    for (std::size_t i = 0; i < walk.steps.size(); ++i) {
+    astray_ = first_astray();
+    for (std::size_t i = 0; i < astray_; ++i) {
       const WalkStep& step = walk.steps[i];
       visits_.emplace(key(step.space, step.cell), i);
       of_space_[step.space].push_back(i);
@@ -34,45 +35,64 @@ class Search {
   }
 
   Loss find() {
-    if (walk_.hit.kind == HitKind::hit && walk_.hit.primitive == expected_.primitive &&
-        walk_.hit.instance == expected_.instance)
-      return of_kind(LossKind::none);
-    const auto path = transforms_to(tree_, expected_.instance);
-    if (!path) return of_kind(LossKind::absent);
+    const bool is_found = walk_.hit.kind == HitKind::hit && walk_.hit.primitive == expected_.primitive &&
+                          walk_.hit.instance == expected_.instance;
     std::vector<Ancestor> chain;
-    std::uint32_t space = kNone;
-    SpaceRay ray = walk_.start.ray;
-    for (std::size_t level = 0;; ++level) {
-      path_ = std::vector<std::uint32_t>(path->begin(), path->begin() + static_cast<std::ptrdiff_t>(level));
-      const bool last = level == path->size();
-      const auto copy = region_copy(tree_, space, ray.d);
-      if (!copy) return with_chain(of_kind(LossKind::absent), chain);
-      const auto leaves = last ? leaves_of_primitive(tree_, *copy, expected_.primitive)
-                               : leaves_of_transform(tree_, *copy, (*path)[level]);
-      if (leaves.empty()) return with_chain(of_kind(LossKind::absent), chain);
-      Passage best = last ? best_of(space, *copy, leaves) : passage(space, *copy, leaves.front());
-      chain.insert(chain.end(), best.chain.begin(), best.chain.end());
-      if (best.loss) return with_chain(std::move(*best.loss), chain);
-      if (last) return with_chain(of_kind(LossKind::unknown), chain);
-      const std::uint32_t node = (*path)[level];
-      chain.back().transform = node;
-      const SpaceChange* entered = change_at(best.leaf_step, SpaceChange::Kind::entered, node);
-      if (entered == nullptr) return with_chain(not_entered(best.leaf_step, node), chain);
-      space = node;
-      ray = entered->ray;
-    }
+    Loss loss = follow(chain);
+    if (is_found) loss = of_kind(LossKind::none);
+    loss.chain = std::move(chain);
+    return loss;
   }
 
  private:
+  /// The first step outside of the region that the walk should be in; what follows it means nothing. The number of
+  /// steps where there is none.
+  std::size_t first_astray() const {
+    auto copy = region_copy(tree_, kNone, walk_.start.copy);
+    for (std::size_t i = 0; i < walk_.steps.size(); ++i) {
+      const WalkStep& step = walk_.steps[i];
+      if (!copy || step.cell < copy->begin || step.cell >= copy->end) return i;
+      if (!step.changes.empty()) copy = region_copy(tree_, step.changes.back().space, step.changes.back().copy);
+    }
+    return walk_.steps.size();
+  }
+
   static std::uint64_t key(std::uint32_t space, std::uint32_t cell) { return std::uint64_t{space} << 32 | cell; }
+
+  /// From space to space and down the trees, as far as the walk came.
+  Loss follow(std::vector<Ancestor>& chain) {
+    const auto path = transforms_to(tree_, expected_.instance);
+    if (!path) return of_kind(LossKind::absent);
+    std::uint32_t space = kNone;
+    std::uint32_t walked = walk_.start.copy;
+    for (std::size_t level = 0;; ++level) {
+      path_.assign(path->begin(), path->begin() + static_cast<std::ptrdiff_t>(level));
+      const auto copy = region_copy(tree_, space, walked);
+      if (!copy) return of_kind(LossKind::absent);
+      if (level == path->size()) {
+        const auto leaves = leaves_of_primitive(tree_, *copy, expected_.primitive);
+        if (leaves.empty()) return of_kind(LossKind::absent);
+        Passage best = best_of(space, *copy, leaves);
+        chain.insert(chain.end(), best.chain.begin(), best.chain.end());
+        return std::move(*best.loss);
+      }
+      const std::uint32_t node = (*path)[level];
+      const auto leaves = leaves_of_transform(tree_, *copy, node);
+      if (leaves.empty()) return of_kind(LossKind::absent);
+      Passage way = passage(space, *copy, leaves.front());
+      way.chain.back().transform = node;
+      chain.insert(chain.end(), way.chain.begin(), way.chain.end());
+      if (way.loss) return std::move(*way.loss);
+      const SpaceChange* entered = change_at(way.leaf_step, SpaceChange::Kind::entered, node);
+      if (entered == nullptr) return not_entered(way.leaf_step, node);
+      space = node;
+      walked = entered->copy;
+    }
+  }
 
   Loss of_kind(LossKind kind) const {
     Loss loss;
     loss.kind = kind;
-    return loss;
-  }
-  static Loss with_chain(Loss loss, const std::vector<Ancestor>& chain) {
-    loss.chain = chain;
     return loss;
   }
   /// A loss at a step.
@@ -266,8 +286,17 @@ class Search {
 
   /// A node that the walk never visited, though it was in the node above.
   Loss unreached(std::uint32_t space, const RegionCopy& copy, const Ancestor& ancestor) const {
+    if (astray_ < walk_.steps.size() && walk_.steps[astray_].space == space && !of_space_.contains(space))
+      return space == kNone ? at_step(LossKind::link, astray_) : at_transform(LossKind::way_in, astray_, space);
     Loss loss = first_wrong_way(space, copy, ancestor.cell);
-    if (loss.kind == LossKind::unknown && walk_.hit.kind == HitKind::capped) loss.kind = LossKind::capped;
+    return loss.kind == LossKind::unknown && walk_.hit.kind == HitKind::capped ? capped() : loss;
+  }
+
+  /// A walk that does not end, without regard to the primitive.
+  Loss capped() const {
+    Loss loss = of_kind(LossKind::unknown);
+    if (const auto copy = region_copy(tree_, kNone, walk_.start.copy)) loss = first_wrong_way(kNone, *copy, kNone);
+    if (loss.kind == LossKind::unknown) loss.kind = LossKind::capped;
     return loss;
   }
 
@@ -286,47 +315,47 @@ class Search {
     std::optional<Loss> wrong;
     for (std::size_t i = 0; i < steps.size(); ++i) {
       const WalkStep& step = walk_.steps[steps[i]];
-      if (step.cell < copy.begin || step.cell >= copy.end) {
-        if (wrong) break;
-        Loss loss = space == kNone ? at_step(LossKind::link, steps[i - 1])
-                                   : at_transform(LossKind::way_out, steps[i - 1], space);
-        loss.reached_cell = step.cell;
-        return loss;
-      }
       const WalkStep* next = i + 1 < steps.size() ? &walk_.steps[steps[i + 1]] : nullptr;
       if (next != nullptr && next->again) continue;
       // Where the last step of all led is known if the walk ended there.
       if (next == nullptr && steps[i] + 1 == walk_.steps.size() && !step.ended) continue;
-      const std::uint32_t reached = next != nullptr ? next->cell : kNone;
+      const bool is_astray = next == nullptr && astray_ < walk_.steps.size() && walk_.steps[astray_].space == space;
+      const std::uint32_t reached = next != nullptr ? next->cell : is_astray ? walk_.steps[astray_].cell : kNone;
       const std::uint32_t expected = next_expected(step);
-      const bool is_last_cell = step.cell + node_units(tree_) >= copy.end;
-      const bool lacks_end = is_compact(image_) && is_last_cell && step.test != NodeTest::end;
-      if (reached == expected && !lacks_end && (reached == kNone || reached > step.cell)) continue;
-      Loss loss = wrong_way(steps[i], expected, reached, is_last_cell);
-      if (step.cell < target && (reached == kNone || reached > target || reached <= step.cell)) return loss;
+      const bool is_last = step.cell + node_units(tree_) >= copy.end || is_astray;
+      const bool lacks_end = is_compact(image_) && is_last && !is_astray && step.test != NodeTest::end;
+      // All above the target was entered, so that no other node may lead past it; nor may a link lead back.
+      const bool leads_past = target != kNone && step.cell < target && (reached == kNone || reached > target);
+      const bool is_legal = reached == kNone || reached > step.cell;
+      const SpaceChange* entered = change_at(steps[i], SpaceChange::Kind::entered, kNone);
+      const bool never_left = entered != nullptr && !has_left(steps[i], entered->node);
+      if (reached == expected && is_legal && !lacks_end && !leads_past && !is_astray && !never_left) continue;
+      Loss loss = wrong_way(steps[i], expected, reached, is_last);
+      if (leads_past || !is_legal) return loss;
       if (!wrong) wrong = std::move(loss);
     }
     return wrong ? *wrong : of_kind(LossKind::unknown);
   }
 
   /// A step that led to `reached` and not to `expected`.
-  Loss wrong_way(std::size_t index, std::uint32_t expected, std::uint32_t reached, bool is_last_cell) const {
+  Loss wrong_way(std::size_t index, std::uint32_t expected, std::uint32_t reached, bool is_last) const {
     const WalkStep& step = walk_.steps[index];
     Loss loss;
     if (const SpaceChange* entered = change_at(index, SpaceChange::Kind::entered, kNone)) {
       const std::uint32_t inner = entered->node;
       if (!has_left(index, inner)) {
-        const auto behind = region_copy(tree_, inner, entered->ray.d);
+        if (index + 1 == astray_) return at_transform(LossKind::way_in, index, inner);
+        const auto behind = region_copy(tree_, inner, entered->copy);
         return behind ? first_wrong_way(inner, *behind, kNone) : at_transform(LossKind::way_in, index, inner);
       }
       loss = at_transform(LossKind::way_out, index, inner);
-    } else if (step.space != kNone && (is_last_cell || expected == kNone)) {
+    } else if (step.space != kNone && (is_last || expected == kNone)) {
       loss = at_transform(LossKind::way_out, index, step.space);  // here the region behind the transform should end
     } else {
       loss = at_step(LossKind::link, index);
       loss.as_baked = as_baked_link(step.cell);
     }
-    loss.expected_cell = expected;
+    loss.expected_cell = expected != reached ? expected : kNone;  // the image itself does not tell
     loss.reached_cell = reached;
     return loss;
   }
@@ -339,7 +368,7 @@ class Search {
   }
 
   bool has_left(std::size_t after, std::uint32_t node) const {
-    for (std::size_t i = after; i < walk_.steps.size(); ++i)
+    for (std::size_t i = after; i < astray_; ++i)
       for (const SpaceChange& change : walk_.steps[i].changes)
         if (change.kind == SpaceChange::Kind::left && change.node == node) return true;
     return false;
@@ -355,7 +384,7 @@ class Search {
     const WalkStep& s = walk_.steps[step];
     const bool leads_elsewhere = change_at(step, SpaceChange::Kind::entered, kNone) != nullptr ||
                                  change_at(step, SpaceChange::Kind::missed, kNone) != nullptr || !s.primitives.empty();
-    if (!leads_elsewhere && walk_.hit.kind == HitKind::capped) return at_step(LossKind::capped, step);
+    if (!leads_elsewhere && walk_.hit.kind == HitKind::capped) return capped();
     Loss loss = at_step(LossKind::link, step);
     loss.as_baked = as_baked_link(s.cell);
     loss.transform = node;
@@ -375,6 +404,7 @@ class Search {
     }
     const bool lost = tested->outcome != PrimitiveTest::new_nearest && tested->outcome != PrimitiveTest::farther &&
                       tested->outcome != PrimitiveTest::tie_lost;
+    if (!lost && walk_.hit.kind == HitKind::capped) return capped();
     Loss loss = at_step(lost ? LossKind::primitive : LossKind::nearer, step);
     loss.test = *tested;
     if (sound_ != nullptr) {
@@ -392,6 +422,7 @@ class Search {
   const Walk& walk_;
   const ExpectedHit& expected_;
   const GeometryImage* sound_;
+  std::size_t astray_ = 0;
   std::unordered_map<std::uint64_t, std::size_t> visits_;  ///< the first of each cell in each space
   std::unordered_map<std::uint32_t, std::vector<std::size_t>> of_space_;
   std::vector<std::uint32_t> path_;  ///< the transforms that lead into the space at hand

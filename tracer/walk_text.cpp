@@ -120,9 +120,10 @@ std::string describe(const Loss& loss, const GeometryImage& image, const Expecte
                                     "; the sphere is too small by " + short_number(loss.shortfall);
       break;
     case LossKind::link:
-      text = loss.expected_cell == kNone && loss.reached_cell == kNone
+      text = loss.transform != kNone
                  ? "leaf " + node + " does not lead to what it should, past " + primitive
-                 : "a link of " + node + " leads to " + cell(loss.reached_cell) +
+                 : "a link of " + node + " leads " + (loss.reached_cell <= loss.cell ? "back " : "") + "to " +
+                       cell(loss.reached_cell) +
                        (loss.expected_cell == kNone ? "" : ", not to " + cell(loss.expected_cell)) + ", past " +
                        primitive;
       text += ", which" + is_hit;
@@ -143,8 +144,7 @@ std::string describe(const Loss& loss, const GeometryImage& image, const Expecte
       text = "the test of " + primitive + " in leaf " + node + " says " + name_of(loss.test->outcome) + "; it" + is_hit;
       break;
     case LossKind::capped:
-      text = "the walk was cut after " + std::to_string(image.cell_count) + " nodes, before " + primitive + ", which" +
-             is_hit;
+      text = "the walk did not end within " + std::to_string(image.cell_count) + " nodes; " + primitive + is_hit;
       break;
     case LossKind::absent:
       text = "the image does not hold " + primitive + ", which" + is_hit;

@@ -6,7 +6,6 @@
 #include <bit>
 #include <chrono>
 #include <cmath>
-#include <optional>
 #include <utility>
 
 #include "scenes/error.h"
@@ -18,9 +17,9 @@ namespace plumbline {
 namespace {
 
 constexpr int kTargets = 2 * kPassTargets;  // of the production, and of the event
-constexpr std::size_t kEventsPerPass = kCapturePixels - 1;
-// Between two nodes a walk may stop; room for a cluster and changes of space spares most passes a repetition.
-constexpr int kEnoughEvents = kCapturePixels - 64;
+constexpr std::size_t kEventPixels = kCapturePixels - 1;
+// A walk stops between two nodes; room for a cluster and changes of space spares most passes a repetition.
+static_assert(kEventsPerPass + 32 < kCapturePixels);
 constexpr int kNoEnd = std::numeric_limits<int>::max();
 
 /// What a pixel kept of an event.
@@ -78,17 +77,18 @@ class Decoder {
     step.again = !walk_.steps.empty() && walk_.steps.back().number == step.number;
     step.space = e[3].x;
     place(e, step);
-    const bool boxes = has_boxes(image_);
+    const bool boxes = has_boxes(image_), is_end = is_compact(image_) && e[2].w == kEndWord;
     step.bound = value(e[2].x);
     step.link = {value(e[2].y), value(e[2].z)};
     step.word = value(e[2].w);
-    if (boxes) {
+    if (is_end) {
+      // Nothing is tested.
+    } else if (boxes) {
       step.enter = value(e[1].x), step.leave = value(e[1].y);
     } else {
       step.distance2 = value(e[1].x), step.foot = value(e[1].y), step.line_distance2 = value(e[1].z);
       step.radius2 = is_compact(image_) ? std::fabs(step.word) : step.word;
     }
-    const bool is_end = is_compact(image_) && e[2].w == kEndWord;
     step.test = node_test(step, (e[0].x & kCaptureHit) != 0, is_end, boxes);
     if (!walk_.steps.empty()) walk_.steps.back().next = step.cell;
     walk_.steps.push_back(std::move(step));
@@ -146,6 +146,7 @@ class Decoder {
     const bool misses = (e[0].x & kCaptureMisses) != 0;
     change.node = e[0].z;
     change.space = e[0].w;
+    change.copy = e[3].z;
     change.ray = {values3(e[1]), values3(e[2]), value(e[1].w), value(e[2].w), value(e[3].y), value(e[3].x)};
     ray_ = change.ray;
     switch (e[0].x & 7u) {
@@ -177,21 +178,17 @@ struct WalkRecorder::Impl {
   using Clock = std::chrono::steady_clock;
 
   GlContext* context;
-  const GeometryImage* image;
+  const GeometryImage* image = nullptr;
   std::vector<ShaderPatch> patches;
   PassConstants constants;
-  std::array<std::optional<GlProgram>, 2> programs;  // the first pass's, and the thorough one
+  std::vector<std::pair<ProgramVariant, GlProgram>> programs;
   GlTexture geometry, rays, state;
   std::array<GlTexture, kTargets> targets;
   GlFramebuffer framebuffer;
   std::array<std::vector<PassWords>, kTargets> results;
   double seconds = 0.0;  // of the walk at hand
 
-  Impl(GlContext& c, const GeometryImage& i, std::span<const ShaderPatch> p)
-      : context(&c), image(&i), patches(p.begin(), p.end()), constants(pass_constants(i)) {
-    require_fitting_image(c, i);
-    program(false);
-    geometry = upload_image(c, i);
+  Impl(GlContext& c, std::span<const ShaderPatch> p) : context(&c), patches(p.begin(), p.end()) {
     rays = GlTexture::linear(c, std::array<glm::vec4, 2>{});
     state = GlTexture(c, GL_RGBA32UI, GL_RGBA_INTEGER, GL_UNSIGNED_INT, kTargets, 1);
     for (GlTexture& target : targets)
@@ -200,14 +197,24 @@ struct WalkRecorder::Impl {
     for (auto& result : results) result.resize(kCapturePixels);
   }
 
+  void set_image(const GeometryImage& i) {
+    require_fitting_image(*context, i);
+    image = &i;
+    program(false);
+    constants = pass_constants(i);
+    geometry = {};  // the old image goes first: two large ones need not fit
+    geometry = upload_image(*context, i);
+  }
+
   const GlProgram& program(bool thorough) {
-    std::optional<GlProgram>& one = programs[thorough];
-    if (!one) {
-      ProgramVariant variant = program_variant(*image, false, thorough);
-      variant.capture = true;
-      one.emplace(*context, link_program(*context, probe_vertex_shader(), probe_fragment_shader(variant, patches)));
+    ProgramVariant variant = program_variant(*image, false, thorough);
+    variant.capture = true;
+    for (const auto& [known, compiled] : programs) {
+      if (known == variant) return compiled;
     }
-    return *one;
+    GlProgram compiled(*context,
+                       link_program(*context, probe_vertex_shader(), probe_fragment_shader(variant, patches)));
+    return programs.emplace_back(variant, std::move(compiled)).second;
   }
 
   int production_targets() const { return image->transform_count > 0 ? kPassTargets : kPassTargets - 1; }
@@ -216,7 +223,7 @@ struct WalkRecorder::Impl {
   struct Pass {
     bool thorough = false;
     int mode = 0;  // 0: a new walk; 1: as production goes on; kCaptureGoesOn
-    int first_event = 0, enough_events = kEnoughEvents;
+    int first_event = 0, enough_events = kEventsPerPass;
     int width = kCaptureWidth, height = kCaptureHeight;
   };
 
@@ -270,7 +277,7 @@ struct WalkRecorder::Impl {
     return words;
   }
 
-  Walk record(const Ray& ray, std::size_t most_events) {
+  Walk record(const Ray& ray, std::size_t most_events, int events_per_pass) {
     Walk walk;
     walk.ray = ray;
     Decoder decoder(*image, walk);
@@ -278,13 +285,14 @@ struct WalkRecorder::Impl {
     rays.update(texels);
     seconds = 0.0;
     Pass pass;
+    pass.enough_events = events_per_pass;
     std::size_t events = 0;
     std::array<PassWords, kTargets> last_state{};
     for (;;) {
       pass.first_event = 0;
       draw(pass);
       ++walk.passes;
-      const std::uint32_t count = count_at(0) & 0x7fffffffu;
+      const std::uint32_t count = count_at(0) & 0x3fffffffu;
       const bool is_full = count_at(0) >> 31 != 0;
       walk.driver_agrees = walk.driver_agrees && pixels_agree(pass);
       const auto next = state_of_pass(pass);
@@ -298,7 +306,7 @@ struct WalkRecorder::Impl {
           ++walk.passes;
           walk.driver_agrees = walk.driver_agrees && pixels_agree(pass);
         }
-        const std::size_t here = std::min(std::min(kEventsPerPass, count - taken), most_events - events);
+        const std::size_t here = std::min(std::min(kEventPixels, count - taken), most_events - events);
         for (std::size_t i = 0; i < here; ++i)
           decoder.take({results[4][i], results[5][i], results[6][i], results[7][i]});
         taken += here;
@@ -312,6 +320,14 @@ struct WalkRecorder::Impl {
       if (!is_full && pass.mode == 1 && next == last_state)
         throw EnvironmentError("a captured walk does not advance from pass to pass; the OpenGL driver (" +
                                context->renderer() + ") loses its state");
+      if (!is_full && !pass.thorough && program_variant(*image, false, false).out_inverse) {
+        // As in production, a ray that drifts starts anew in the thorough program.
+        pass = Pass{};
+        pass.enough_events = events_per_pass;
+        walk.steps.clear();
+        walk.skipped = 0;
+        events = 0;
+      }
       pass.mode = is_full ? kCaptureGoesOn : 1;
       pass.thorough = pass.thorough || !is_full;
       if (events >= most_events) {  // the rest is only walked, by few pixels
@@ -330,12 +346,18 @@ struct WalkRecorder::Impl {
 };
 
 WalkRecorder::WalkRecorder(GlContext& context, const GeometryImage& image, std::span<const ShaderPatch> patches)
-    : impl_(std::make_unique<Impl>(context, image, patches)) {}
+    : impl_(std::make_unique<Impl>(context, patches)) {
+  set_image(image);
+}
 WalkRecorder::~WalkRecorder() = default;
 WalkRecorder::WalkRecorder(WalkRecorder&&) noexcept = default;
 WalkRecorder& WalkRecorder::operator=(WalkRecorder&&) noexcept = default;
 
-Walk WalkRecorder::record(const Ray& ray, std::size_t most_events) { return impl_->record(ray, most_events); }
+void WalkRecorder::set_image(const GeometryImage& image) { impl_->set_image(image); }
+
+Walk WalkRecorder::record(const Ray& ray, std::size_t most_events, int events_per_pass) {
+  return impl_->record(ray, most_events, events_per_pass);
+}
 
 Walk capture_walk(GlContext& context, const GeometryImage& image, const Ray& ray,
                   std::span<const ShaderPatch> patches) {

@@ -77,6 +77,7 @@ struct SpaceChange {
   Kind kind = Kind::started;
   std::uint32_t node = kNone;   ///< of the scene
   std::uint32_t space = kNone;  ///< that the walk is in afterwards: a node, or kNone: the world
+  std::uint32_t copy = 0;       ///< of its region, by octant
   SpaceRay ray;                 ///< there
 };
 
@@ -118,6 +119,7 @@ struct Walk {
 };
 
 inline constexpr std::size_t kMostEvents = std::size_t{1} << 17;
+inline constexpr int kEventsPerPass = 960;
 
 /// Captures walks through one image. Both must outlive it. Compiles one program, and a second when a ray first needs
 /// the code for triangles seen edge-on or origins very far away.
@@ -135,7 +137,11 @@ class WalkRecorder {
   WalkRecorder(WalkRecorder&&) noexcept;
   WalkRecorder& operator=(WalkRecorder&&) noexcept;
 
-  Walk record(const Ray& ray, std::size_t most_events = kMostEvents);
+  /// Takes another image. Compiles nothing if it needs the code of one that this recorder has held before.
+  void set_image(const GeometryImage& image);
+
+  /// `events_per_pass` does not change what is captured: a test of that sets it.
+  Walk record(const Ray& ray, std::size_t most_events = kMostEvents, int events_per_pass = kEventsPerPass);
 
  private:
   struct Impl;

@@ -73,8 +73,8 @@ void capture_primitive(uint kind, bool hit, bool pending, float t, float label, 
                 uvec4(floatBitsToUint(t), floatBitsToUint(weights), floatBitsToUint(ray.t_low)),
                 floatBitsToUint(is_sphere ? captured.sphere : captured.numbers), uvec3(space, floatBitsToUint(bound), floatBitsToUint(now)));
 }
-#endif
 
+#endif
 // Tests the primitive at an address. Returns its label: negative on the last of a cluster.
 float test_primitive(int address) {
   vec4 p0 = primitive_0(address), p1 = primitive_1(address);

@@ -7,6 +7,8 @@ struct Captured {
   int count;     // events so far
   vec4 numbers;  // of the test at hand: a node's or a triangle's
   vec4 sphere;   // of a sphere's test
+  int octant;    // whose copy of the region is walked
+  bool full;     // the pass ended only because it had its events
   uvec4 a, b, c;
   uvec3 d;
 };
@@ -18,6 +20,8 @@ void start_capture(int pixel) {
   captured.count = 0;
   captured.numbers = vec4(0.0);
   captured.sphere = vec4(0.0);
+  captured.octant = 0;
+  captured.full = false;
   captured.a = uvec4(0u);
   captured.b = uvec4(0u);
   captured.c = uvec4(0u);

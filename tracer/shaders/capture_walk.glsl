@@ -4,7 +4,7 @@
 layout(location = 4) out uvec4 out_4;
 layout(location = 5) out uvec4 out_5;
 layout(location = 6) out uvec4 out_6;
-layout(location = 7) out uvec4 out_7;  // ...; in w events of the pass + 2^31 where it ended only because it was full
+layout(location = 7) out uvec4 out_7;  // ...; in w events of the pass, flags in bits 31 (it ended only because it was full) and 30
 
 #ifdef HAS_TRANSFORMS
 int space_at_hand() { return walk.space; }
@@ -29,45 +29,45 @@ void capture_ray(uint kind, int node, bool misses, float bound) {
 #endif
   capture_event(uvec4(kind + (misses ? CAPTURE_MISSES : 0u), walk.steps, node, space_at_hand()),
                 floatBitsToUint(vec4(ray.o, t_scale)), floatBitsToUint(vec4(ray.d, t_shift)),
-                uvec3(floatBitsToUint(bound), floatBitsToUint(ray.t_low), 0u));
+                uvec3(floatBitsToUint(bound), floatBitsToUint(ray.t_low), captured.octant & pass_walk.y));
 }
 
 // Of the pass: the event, or the ray by which another pass goes on.
 void write_captured(bool unfinished) {
-  bool full = unfinished && capture_is_full() && nearest.pending < 0;
+  captured.full = unfinished && capture_is_full() && nearest.pending < 0;
 #ifdef HAS_TRANSFORMS
-  full = full && !walk.stalled;
-  if (captured.wanted >= captured.count) {
-    captured.a = floatBitsToUint(vec4(ray.o, ray.t_scale));
-    captured.b = floatBitsToUint(vec4(ray.d, ray.t_shift));
-    captured.c = uvec4(0u, 0u, 0u, floatBitsToUint(ray.t_low));
+  captured.full = captured.full && !walk.stalled && !world_ray.too_far;
 #ifdef OUT_INVERSE
-    captured.c.xyz = floatBitsToUint(entered_o);
+  if (captured.wanted >= captured.count) {
+    captured.a = floatBitsToUint(vec4(ray.o, 0.0));
+    captured.b = floatBitsToUint(vec4(ray.d, 0.0));
+    captured.c = floatBitsToUint(vec4(entered_o, 0.0));
     captured.d = floatBitsToUint(entered_d);
-#endif
   }
+#endif
+#else
+  captured.full = captured.full && !ray.too_far;
 #endif
   out_4 = captured.a;
   out_5 = captured.b;
   out_6 = captured.c;
-  out_7 = uvec4(captured.d, uint(captured.count) + (full ? 0x80000000u : 0u));
+  out_7 = uvec4(captured.d, uint(captured.count) + (captured.full ? 0x80000000u : 0u));
+#ifdef HAS_TRANSFORMS
+  // The bound is the nearest t itself until the space changes or something is hit; then it is bound_of.
+  if (floatBitsToUint(nearest.t) == floatBitsToUint(nearest.t_world)) out_7.w += 0x40000000u;
+#endif
 }
 
 #ifdef HAS_TRANSFORMS
-// The inverse of write_captured, in four texels of the state.
-void restore_ray(usampler2D state, ivec2 at) {
-  vec4 a = uintBitsToFloat(texelFetch(state, at, 0)), b = uintBitsToFloat(texelFetch(state, at + ivec2(1, 0), 0));
-  vec4 c = uintBitsToFloat(texelFetch(state, at + ivec2(2, 0), 0));
-  ray.o = a.xyz;
-  ray.t_scale = a.w;
-  set_direction(b.xyz);
-  ray.t_shift = b.w;
-  ray.t_low = c.w;
-  ray.cut = false;
-  ray.too_far = false;
+// The inverse of write_captured, in four texels of the state, after derive_ray: what drifts is as it was.
+void restore_walk(usampler2D state, ivec2 at) {
 #ifdef OUT_INVERSE
-  entered_o = c.xyz;
+  ray.o = uintBitsToFloat(texelFetch(state, at, 0).xyz);
+  set_direction(uintBitsToFloat(texelFetch(state, at + ivec2(1, 0), 0).xyz));
+  entered_o = uintBitsToFloat(texelFetch(state, at + ivec2(2, 0), 0).xyz);
   entered_d = uintBitsToFloat(texelFetch(state, at + ivec2(3, 0), 0).xyz);
 #endif
+  bool as_started = (texelFetch(state, at + ivec2(3, 0), 0).w & 0x40000000u) != 0u;
+  nearest.t = as_started ? nearest.t_world : bound_of(nearest.t_world);
 }
 #endif

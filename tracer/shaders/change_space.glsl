@@ -51,6 +51,11 @@ void change_space() {
 #endif
       leaves = ray.misses;  // of what stands there: out again
 #ifdef CAPTURE
+#ifdef OUT_INVERSE
+      captured.octant = derived_octant;
+#else
+      captured.octant = octant_of(ray.d);
+#endif
       capture_ray(CAPTURE_ENTER, node, ray.misses, bound_of(nearest.t_world));
 #endif
     }
@@ -66,6 +71,9 @@ void change_space() {
 #endif
     derive_ray(outer);
     int copy = octant_of(ray.d) & pass_walk.y;
+#ifdef CAPTURE
+    captured.octant = copy;
+#endif
     vec4 places = record_texel(node, 8 + (copy >> 2));
     go_behind(int(places[copy & 3]));
     walk.space = outer;

@@ -72,11 +72,7 @@ void start_or_resume(ivec2 pixel) {
     derive_ray(walk.space);
     nearest.t = bound_of(nearest.t_world);
 #ifdef CAPTURE
-    if (pass_range.y == CAPTURE_GOES_ON) {
-      restore_ray(u_state, at + ivec2(STATE_TEXELS, 0));
-      // As it was: bound_of is its only change after the start.
-      nearest.t = walk.transforms == 0 && nearest.label == NO_LABEL ? nearest.t_world : bound_of(nearest.t_world);
-    }
+    if (pass_range.y == CAPTURE_GOES_ON) restore_walk(u_state, at + ivec2(STATE_TEXELS, 0));
 #endif
 #endif
   }
@@ -172,6 +168,7 @@ void main() {
   prepare_ray(origin_and_end.xyz, direction.xyz, origin_and_end.w);
   start_or_resume(pixel);
 #ifdef CAPTURE
+  captured.octant = octant_of(ray.d);
   if (pass_range.y != CAPTURE_GOES_ON) capture_ray(CAPTURE_RAY, -1, ray.misses, nearest.t);
 #endif
 
@@ -192,7 +189,7 @@ void main() {
       is_walking = is_walking && nearest.pending < 0;
 #endif
 #ifdef CAPTURE
-      is_walking = is_walking && !capture_is_full();
+      is_walking = is_walking && (nearest.pending >= 0 || !capture_is_full());
 #endif
     }
   }
@@ -215,8 +212,11 @@ void main() {
   write_captured(unfinished);
 #endif
   bool complete = write_result(origin_and_end.w);
-#if defined(OUT_INVERSE) && !defined(THOROUGH) && !defined(CAPTURE)
+#if defined(OUT_INVERSE) && !defined(THOROUGH)
   // A ray that drifts cannot be derived again in the middle of an instance: the thorough program starts anew.
+#ifdef CAPTURE
+  if (!captured.full)
+#endif
   if (unfinished) {
     ray = world_ray;
     start();
