@@ -248,7 +248,7 @@ TEST_CASE("glTF: the camera spans from edge to edge, lights stand where their no
   CHECK(scene.warnings.size() == 2);
 }
 
-TEST_CASE("glTF: animations of translation, rotation and scale; steps, splines") {
+TEST_CASE("glTF: animations of translation, rotation and scale, steps, splines") {
   Buffers buffers = triangle_buffers();
   buffers.add<float>({0, 1, 2}, 5126, "SCALAR", 1);                                             // 2
   buffers.add<float>({0, 0, 0, 2, 0, 0, 2, 4, 0}, 5126, "VEC3", 3);                             // 3

@@ -166,7 +166,7 @@ TEST_CASE("Rotations are slerped the short way, at constant speed") {
   CHECK(glm::length(moved - glm::dvec3(1, 4, 3)) < 1e-6);
 }
 
-TEST_CASE("set_time moves the animated nodes and leaves rest where it is; the range covers all channels") {
+TEST_CASE("set_time moves the animated nodes and leaves rest where it is, and the range covers all channels") {
   Scene scene = load_scene("walk");
   const Scene before = scene;
   const TimeRange range = time_range(scene);
