@@ -40,7 +40,7 @@ struct CatalogueOptions {
   std::uint64_t hits_rays = 1 << 14;       ///< per family and scene
   std::uint64_t variant_rays = 1 << 11;    ///< per family, variant and scene
   std::uint64_t transform_rays = 1 << 14;  ///< per family, way out of a transform, and scene of instances
-  std::uint64_t moved_rays = 1 << 9;       ///< per family and frame, and after updates
+  std::uint64_t moved_rays = 1 << 9;       ///< per family and frame, after updates, and per variant there
   bool whole = false;                      ///< the cases that have scenes of their own, too
   std::uint64_t brute_force_tests =
       40'000'000;  ///< primitive tests per scene in the brute-force layer, spread over all families
