@@ -3,11 +3,24 @@
 
 #include <algorithm>
 #include <bit>
+#include <limits>
 
 #include "scenes/error.h"
 #include "tracer/shader_words.h"
 
 namespace plumbline {
+
+namespace {
+
+/// Steps at which a walk counts as endless. Layout `paper` has no cells for ends: a walk that has visited every node
+/// may still have to leave a space, which is asked for behind the check.
+int step_limit(const GeometryImage& image) {
+  const bool leaves_late = image.options.layout == Layout::paper && image.transform_count > 0;
+  constexpr std::uint32_t kMost = std::numeric_limits<std::int32_t>::max();
+  return static_cast<int>(std::min(kMost, image.cell_count + (leaves_late ? 1u : 0u)));
+}
+
+}  // namespace
 
 PassConstants pass_constants(const GeometryImage& image) {
   const auto integer = [](std::uint32_t value) { return static_cast<int>(value); };
@@ -17,8 +30,7 @@ PassConstants pass_constants(const GeometryImage& image) {
   c.factor = glm::vec4(1.0f, 1.0f / static_cast<float>(image.width), 1.0f / static_cast<float>(image.height), 0.0f);
   c.shape = {image.width - 1, std::countr_zero(static_cast<unsigned>(image.width)), integer(image.primitive_start),
              integer(image.primitive_count)};
-  c.walk = {integer(image.copy_size), image.copy_count == 8 ? 7 : 0, (1 << image.payload_bits) - 1,
-            integer(image.cell_count)};
+  c.walk = {integer(image.copy_size), image.copy_count == 8 ? 7 : 0, (1 << image.payload_bits) - 1, step_limit(image)};
   c.transforms = {integer(image.transform_start), integer(image.transform_count), integer(image.world_primitives), 0};
   return c;
 }

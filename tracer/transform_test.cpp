@@ -330,6 +330,28 @@ TEST_CASE("transforms nest as deep as the tracer says, and no deeper", "[transfo
   CHECK_THROWS_AS(bake(scene), InputError);
 }
 
+// Every node there is was visited, and the walk still had two spaces to leave: layout `paper` called that endless.
+TEST_CASE("a walk that visits every node ends in every layout", "[transform]") {
+  Scene scene;
+  scene.materials.emplace_back();
+  Scene ball;
+  ball.spheres.push_back({glm::vec3(0.0f), 1.0f, 0});
+  const std::uint32_t part = add_part(scene, ball, "ball");
+  const Transform step{glm::mat3(1.0f), glm::vec3(1.0f, 0.0f, 0.0f)};
+  const std::uint32_t group = add_node(scene, kNone, kNone, step);
+  add_node(scene, group, part, step);
+  const Ray ray{{2.0f, 0.0f, 5.0f}, {0.0f, 0.0f, -1.0f}};
+  for (const Layout layout : {Layout::compact, Layout::paper})
+    for (const TransformOut out : {TransformOut::restore, TransformOut::inverse}) {
+      BakeOptions options;
+      options.layout = layout, options.transform_out = out;
+      const Hit hit = traced(bake(scene, options), {ray})[0];
+      INFO(name_of(layout) << " " << name_of(out));
+      CHECK(hit.kind == HitKind::hit);
+      CHECK(hit.instance == 1);
+    }
+}
+
 // A walk left a cluster before its end, at a triangle seen edge-on, and took the rest of it for done in another
 // instance of the same part (found by transforms.variants.around_eye).
 // The second ray: layout `paper` left an instance while a triangle of it, the last of all, still waited to be resolved.
