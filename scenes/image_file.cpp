@@ -47,8 +47,8 @@ void write_whole(const std::filesystem::path& path, const OIIO::ImageSpec& spec,
   if (failure) fail(failure.message());
 }
 
-/// The pixels of an image that has been opened, or has not.
-Image read_opened(const std::unique_ptr<OIIO::ImageInput>& input, const std::string& name) {
+/// An image that has been opened, or has not; its pixels only where asked for.
+Image read_opened(const std::unique_ptr<OIIO::ImageInput>& input, const std::string& name, bool with_pixels = true) {
   if (!input) throw InputError(name + ": not an image that can be read: " + one_line(OIIO::geterror()));
   const OIIO::ImageSpec& spec = input->spec();
   Image image;
@@ -59,13 +59,15 @@ Image read_opened(const std::unique_ptr<OIIO::ImageInput>& input, const std::str
   if (image.width <= 0 || image.height <= 0 || image.channels.empty() || spec.depth > 1) {
     throw InputError(name + ": an image without pixels, or of volumes; use a plain image");
   }
-  const std::int64_t values =
-      std::int64_t{image.width} * image.height * static_cast<std::int64_t>(image.channels.size());
-  if (values > kMaxValues) throw InputError(name + ": larger than 2^30 values; scale the image down");
-  image.pixels.resize(static_cast<std::size_t>(values));
-  if (!input->read_image(0, 0, 0, static_cast<int>(image.channels.size()), OIIO::TypeDesc::FLOAT,
-                         image.pixels.data())) {
-    throw InputError(name + ": cannot be read to its end: " + one_line(input->geterror()));
+  if (with_pixels) {
+    const auto channels = static_cast<std::int64_t>(image.channels.size());
+    if (image.height > kMaxValues / image.width / channels)
+      throw InputError(name + ": larger than 2^30 values; scale the image down");
+    image.pixels.resize(static_cast<std::size_t>(std::int64_t{image.width} * image.height * channels));
+    if (!input->read_image(0, 0, 0, static_cast<int>(image.channels.size()), OIIO::TypeDesc::FLOAT,
+                           image.pixels.data())) {
+      throw InputError(name + ": cannot be read to its end: " + one_line(input->geterror()));
+    }
   }
   for (const OIIO::ParamValue& attribute : spec.extra_attribs) {
     const std::string key = attribute.name().string();
@@ -80,15 +82,26 @@ Image read_opened(const std::unique_ptr<OIIO::ImageInput>& input, const std::str
   return image;
 }
 
-}  // namespace
-
-Image read_image(const std::filesystem::path& path) {
+/// The file's name; throws where there is none to read.
+std::string checked_name(const std::filesystem::path& path) {
   const std::string name = path.string();
   std::error_code failure;
   const auto status = std::filesystem::status(path, failure);
   if (!std::filesystem::exists(status)) throw InputError(name + ": no such file; check the path");
   if (!std::filesystem::is_regular_file(status)) throw InputError(name + ": not a plain file; name an image file");
+  return name;
+}
+
+}  // namespace
+
+Image read_image(const std::filesystem::path& path) {
+  const std::string name = checked_name(path);
   return read_opened(OIIO::ImageInput::open(name), name);
+}
+
+Image read_image_header(const std::filesystem::path& path) {
+  const std::string name = checked_name(path);
+  return read_opened(OIIO::ImageInput::open(name), name, false);
 }
 
 Image read_image(std::string_view content, const std::string& name) {

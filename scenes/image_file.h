@@ -30,7 +30,9 @@ struct Image {
 /// Reads an image file of any format. R, G, B, A come first and in this order; other channels follow as in the file.
 /// Throws InputError for a file that is missing, a folder, truncated, or no image.
 Image read_image(const std::filesystem::path& path);
-/// The same from the content of a file, whose name tells the format by its ending.
+/// The same without the pixels, to look before memory is asked for.
+Image read_image_header(const std::filesystem::path& path);
+/// An image from the content of a file, whose name tells the format by its ending.
 Image read_image(std::string_view content, const std::string& name);
 
 /// Writes OpenEXR, 32-bit float, ZIP: every bit of every value comes back by read_image, and every attribute but empty

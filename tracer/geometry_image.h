@@ -54,7 +54,8 @@
 //   link         (x + 0.5) / width + K, (2y + 0.5) / height: the half texel is baked in; the integer K tells what is
 //                reached: 0 a node, kLinkTriangle or kLinkSphere the first primitive of a cluster (spheres may follow
 //                triangles in it), kLinkTransform the record of a node to enter, kLinkEnd the end of the region
-//   Traversal starts at the copy's first cell. The in link of a leaf leads to its cluster or its transform; after it
+//   Traversal starts at the copy's first cell. Nodes stand depth first: the in link of an inner node leads to the next,
+//   its out link behind all that stands below it. The in link of a leaf leads to its cluster or its transform; after it
 //   comes the out link of the leaf. Chains that would end are ended at once. Copies share the primitives.
 #pragma once
 
@@ -145,16 +146,12 @@ struct TexelRange {
 std::vector<TexelRange> update_transforms(const Scene& scene, std::span<const std::uint32_t> moved, SceneTree& tree,
                                           GeometryImage& image);
 
-/// Walks the image on the CPU and says what is wrong with it, one line per finding; empty where it is sound: from each
-/// start, a walk that enters every node visits every primitive and ends within cell_count nodes, and so does one that
-/// enters none.
-std::vector<std::string> verify(const GeometryImage& image);
-
 /// Writes an OpenEXR file: 32-bit floats, lossless, metadata as attributes. Throws EnvironmentError where it cannot be
 /// written.
 void write_geometry_image(const GeometryImage& image, const std::filesystem::path& path);
 
-/// Reads what write_geometry_image wrote, bit for bit. Throws InputError for any other file.
+/// Reads what write_geometry_image wrote, bit for bit. Throws InputError for any other file: one of a newer format,
+/// truncated, or whose attributes contradict one another; what the header tells is checked before memory is asked for.
 GeometryImage read_geometry_image(const std::filesystem::path& path);
 
 /// How many texels (compact) or cells (paper) a primitive takes in an image with or without triangles.

@@ -7,6 +7,7 @@
 #include "scenes/error.h"
 #include "scenes/image_file.h"
 #include "tracer/geometry_image.h"
+#include "tracer/verify.h"
 
 namespace plumbline {
 namespace {
@@ -26,6 +27,10 @@ class Attributes {
     if (const T* value = std::get_if<T>(&found->second)) return *value;
     fail("has an attribute " + kPrefix + name + " of another type");
   }
+  template <class T>
+  T get(const std::string& name, const T& otherwise) const {
+    return image_.attributes.contains(kPrefix + name) ? get<T>(name) : otherwise;
+  }
   int integer(const std::string& name, int low, int high) const {
     const int value = get<int>(name);
     if (value < low || value > high) {
@@ -43,6 +48,11 @@ class Attributes {
     if (value == name_of(a)) return a;
     if (value == name_of(b)) return b;
     fail("has " + kPrefix + name + " = " + value + ", but known are " + name_of(a) + " and " + name_of(b));
+  }
+  [[noreturn]] void fail_as_newer(int version) const {
+    throw InputError(path_.string() + " was written by a newer Plumbline: its format is " + std::to_string(version) +
+                     ", this one reads " + std::to_string(kGeometryImageVersion) +
+                     "; use that, or bake the scene anew");
   }
   [[noreturn]] void fail(const std::string& what) const {
     throw InputError(path_.string() + " is not a geometry image of this version: it " + what +
@@ -93,13 +103,15 @@ void write_geometry_image(const GeometryImage& image, const std::filesystem::pat
   write_exr(path, file);
 }
 
-GeometryImage read_geometry_image(const std::filesystem::path& path) {
-  const Image file = read_image(path);
-  const Attributes attributes(file, path);
-  attributes.integer("version", kGeometryImageVersion, kGeometryImageVersion);
-  if (file.channels != std::vector<std::string>{"R", "G", "B", "A"})
-    attributes.fail("has other channels than R, G, B, A");
+namespace {
 
+/// What the attributes tell, the texels not yet.
+GeometryImage read_attributes(const Image& header, const Attributes& attributes) {
+  const int version = attributes.get<int>("version");
+  if (version > kGeometryImageVersion) attributes.fail_as_newer(version);
+  attributes.integer("version", kGeometryImageVersion, kGeometryImageVersion);
+  if (header.channels != std::vector<std::string>{"R", "G", "B", "A"} || header.is_integer)
+    attributes.fail("has other channels than the floats R, G, B, A");
   GeometryImage image;
   image.options.layout = attributes.choice("layout", Layout::paper, Layout::compact);
   image.options.bounds = attributes.choice("bounds", Bounds::sphere, Bounds::aabb);
@@ -110,8 +122,8 @@ GeometryImage read_geometry_image(const std::filesystem::path& path) {
   image.options.tree.leaf_size = attributes.get<int>("leaf_size");
   image.options.tree.width = attributes.get<int>("tree_width");
   image.options.tree.split_long = attributes.get<float>("split_long");
-  image.scene_name = attributes.get<std::string>("scene");
-  image.width = file.width, image.height = file.height;
+  image.scene_name = attributes.get<std::string>("scene", std::string());  // an empty one is not written
+  image.width = header.width, image.height = header.height;
   image.cell_count = attributes.count("cell_count");
   image.center = {attributes.get<float>("center_x"), attributes.get<float>("center_y"),
                   attributes.get<float>("center_z")};
@@ -128,20 +140,32 @@ GeometryImage read_geometry_image(const std::filesystem::path& path) {
   image.copy_count = image.options.links == Links::octant ? 8 : 1;
   image.copy_size = attributes.count("copy_size");
   image.payload_bits = attributes.integer("payload_bits", 0, kMaxPayloadBits);
-  image.texels.resize(static_cast<std::size_t>(file.width) * static_cast<std::size_t>(file.height));
-  std::memcpy(image.texels.data(), file.pixels.data(), image.texels.size() * sizeof(glm::vec4));
+  return image;
+}
 
-  const auto power_of_two = [](int n) {
-    return n > 0 && n <= kMaxImageWidth && std::has_single_bit(static_cast<unsigned>(n));
-  };
-  if (!power_of_two(image.width) || !power_of_two(image.height)) attributes.fail("is not a power of two wide and high");
-  const std::uint64_t cells = image.options.layout == Layout::paper ? image.texels.size() / 2 : image.texels.size();
-  const std::uint64_t record_cells = image.options.layout == Layout::paper ? kTransformTexels / 2 : kTransformTexels;
-  if (std::uint64_t{image.copy_count} * image.copy_size > image.primitive_start ||
-      image.primitive_start + std::uint64_t{image.primitive_stride} * image.primitive_count > cells ||
-      image.transform_start + std::uint64_t{image.transform_count} * record_cells > cells) {
-    attributes.fail("has fewer texels than its attributes promise");
-  }
+}  // namespace
+
+GeometryImage read_geometry_image(const std::filesystem::path& path) {
+  // Everything that the header tells is checked before memory is asked for.
+  const Image header = read_image_header(path);
+  const Attributes attributes(header, path);
+  GeometryImage image = read_attributes(header, attributes);
+  if (const std::vector<std::string> errors = attribute_errors(image); !errors.empty())
+    attributes.fail("contradicts itself: " + errors[0]);
+  // Deflate makes data smaller by 1032 times at most.
+  std::error_code failure;
+  const std::uintmax_t size = std::filesystem::file_size(path, failure);
+  constexpr std::uint64_t kMostDeflated = 1032;
+  const std::uint64_t bytes =
+      static_cast<std::uint64_t>(image.width) * static_cast<std::uint64_t>(image.height) * sizeof(glm::vec4);
+  if (!failure && bytes > kMostDeflated * size)
+    attributes.fail("is " + std::to_string(size) + " bytes long, too short for the " + std::to_string(image.width) +
+                    " x " + std::to_string(image.height) + " texels that its header promises: it is truncated");
+  const Image file = read_image(path);
+  if (file.pixels.size() != 4 * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height))
+    attributes.fail("changed while it was read");
+  image.texels.resize(file.pixels.size() / 4);
+  std::memcpy(image.texels.data(), file.pixels.data(), image.texels.size() * sizeof(glm::vec4));
   return image;
 }
 

@@ -12,6 +12,7 @@
 #include "scenes/error.h"
 #include "scenes/generate.h"
 #include "scenes/image_file.h"
+#include "tracer/verify.h"
 
 using namespace plumbline;
 using Catch::Matchers::Contains;
@@ -70,7 +71,7 @@ TEST_CASE("every variant of a bake is sound", "[image]") {
         options.tree.split_long = leaf_size == 8 ? 0.2f : 0.0f;
         const GeometryImage image = bake(scene, options);
         INFO(name << " " << described(options));
-        CHECK(verify(image).empty());
+        CHECK(certify(image).is_sound());
         CHECK(image.triangle_count == scene.triangles.size());
         CHECK(image.sphere_count == scene.spheres.size());
         CHECK(image.primitive_count >= scene.primitive_count());
@@ -84,15 +85,15 @@ TEST_CASE("an empty scene and a scene of one primitive are baked", "[image]") {
   for (const BakeOptions& options : all_layouts()) {
     INFO(described(options));
     const GeometryImage empty = bake(Scene{}, options);
-    CHECK(verify(empty).empty());
+    CHECK(certify(empty).is_sound());
     CHECK(empty.primitive_count == 0);
     const GeometryImage one = bake(one_triangle(), options);
-    CHECK(verify(one).empty());
+    CHECK(certify(one).is_sound());
     CHECK(one.primitive_count == 1);
   }
 }
 
-TEST_CASE("verify finds a broken link in every layout", "[image]") {
+TEST_CASE("the certificate finds a broken link in every layout", "[image]") {
   const Scene scene = generate_scene("creature");
   for (const BakeOptions& options : all_layouts()) {
     const GeometryImage sound = bake(scene, options);
@@ -104,7 +105,7 @@ TEST_CASE("verify finds a broken link in every layout", "[image]") {
     } else {
       broken.texels[static_cast<std::size_t>(sound.width)].x += 2.0f / static_cast<float>(sound.width);
     }
-    CHECK_FALSE(verify(broken).empty());
+    CHECK_FALSE(certify(broken).is_sound());
   }
 }
 
@@ -148,7 +149,7 @@ TEST_CASE("extreme scales are brought near 1 by an exact power of two", "[image]
     CHECK(image.scale_exponent != 0);
     CHECK(image.radius >= 0.5f);
     CHECK(image.radius <= 1.0f);
-    CHECK(verify(image).empty());
+    CHECK(certify(image).is_sound());
     // Corner for corner the same triangles, but for the factor.
     const float factor = std::ldexp(1.0f, exponent + image.scale_exponent);
     std::size_t same = 0;
@@ -208,7 +209,7 @@ TEST_CASE("a geometry image comes back from its file bit for bit", "[image]") {
       CHECK(back.copy_count == image.copy_count);
       CHECK(back.copy_size == image.copy_size);
       CHECK(back.payload_bits == image.payload_bits);
-      CHECK(verify(back).empty());
+      CHECK(certify(back).is_sound());
     }
   }
 }
@@ -237,10 +238,10 @@ TEST_CASE("files that are no geometry image are refused with a reason", "[image]
     write_exr(path, copy);
     CHECK_THROWS_WITH(read_geometry_image(path), Contains(reason));
   };
-  refuses("plumbline:version", kGeometryImageVersion + 1, "version");
+  refuses("plumbline:version", kGeometryImageVersion + 1, "newer");
   refuses("plumbline:layout", std::string("octree"), "octree");
   refuses("plumbline:radius", 3, "another type");
-  refuses("plumbline:primitives", 1 << 30, "fewer texels");
+  refuses("plumbline:primitives", 1 << 30, "contradicts itself");
   refuses("plumbline:payload_bits", 31, "payload_bits");
   changed.attributes.erase("plumbline:copy_size");
   write_exr(path, changed);

@@ -45,7 +45,7 @@ constexpr VerifyRule kRules[] = {
      "a ray that leaves the transform goes on with another space or at another place: it loses what comes after"},
     {"record", "a transform's record tells what stands behind it and how deep",
      "a ray enters something else, or leaves through too few or too many spaces"},
-    {"inverse", "matrix times inverse is the identity within what rounding to float may do",
+    {"inverse", "inverse times matrix is the identity within what rounding to float may do",
      "what is hit behind the transform is found in one place and reported in another"},
     {"label",
      "labels are whole numbers, negative on the last of each cluster and on no other; kinds and radii are legal",
@@ -116,20 +116,17 @@ void Recorder::finish(Certificate& certificate) {
     if (counts_[i] > 0) certificate.counts[std::string(kRules[i].name)] = counts_[i];
 }
 
-bool check_metadata(Examination& e) {
-  const GeometryImage& image = e.image;
-  const std::uint64_t before = e.recorder.count();
+std::vector<std::string> attribute_errors(const GeometryImage& image) {
+  std::vector<std::string> errors;
   const auto demand = [&](bool holds, const std::string& message) {
-    if (!holds) e.recorder.add(Rule::metadata, message);
-    return holds;
+    if (!holds) errors.push_back(message);
   };
   const auto count = [](std::uint64_t value) { return std::to_string(value); };
-  if (!demand(
-          is_power_of_two(image.width) && is_power_of_two(image.height) &&
-              image.texels.size() == static_cast<std::uint64_t>(image.width) * static_cast<std::uint64_t>(image.height),
-          "the image is " + std::to_string(image.width) + " x " + std::to_string(image.height) + " with " +
-              count(image.texels.size()) + " texels, but sides are powers of two up to 16384"))
-    return false;
+  if (!is_power_of_two(image.width) || !is_power_of_two(image.height))
+    return {"the image is " + std::to_string(image.width) + " x " + std::to_string(image.height) +
+            " texels, but sides are powers of two up to 16384"};
+  const std::uint64_t texels = static_cast<std::uint64_t>(image.width) * static_cast<std::uint64_t>(image.height);
+  const std::uint64_t units = is_compact(image) ? texels : texels / 2;
   demand(image.copy_count == (image.options.links == Links::octant ? 8u : 1u),
          count(image.copy_count) + " copies do not go with links `" + name_of(image.options.links) + "`");
   demand(image.payload_bits >= 0 && image.payload_bits <= kMaxPayloadBits,
@@ -144,8 +141,8 @@ bool check_metadata(Examination& e) {
   const std::uint64_t behind = image.primitive_start + std::uint64_t{image.primitive_stride} * image.primitive_count;
   demand(image.transform_start == behind, "transforms are said to start at " + count(image.transform_start) +
                                               ", but primitives end at " + count(behind));
-  demand(behind + std::uint64_t{record_units(image)} * image.transform_count <= unit_count(image),
-         "primitives and transforms run past the last of " + count(unit_count(image)));
+  demand(behind + std::uint64_t{record_units(image)} * image.transform_count <= units,
+         "there are fewer texels than the attributes promise: primitives and transforms run past unit " + count(units));
   demand(image.world_primitives <= image.primitive_count,
          count(image.world_primitives) + " of " + count(image.primitive_count) + " primitives stand in the world");
   demand(image.primitive_count <= kMaxPrimitives && image.transform_count < kMaxExactFloat,
@@ -160,7 +157,16 @@ bool check_metadata(Examination& e) {
   demand(is_finite, "the scene's ball is not finite");
   demand(image.scale_exponent >= -300 && image.scale_exponent <= 300,
          "the scale is 2^" + std::to_string(image.scale_exponent) + ", but must lie from 2^-300 to 2^300");
-  return e.recorder.count() == before;
+  return errors;
+}
+
+bool check_metadata(Examination& e) {
+  for (const std::string& error : attribute_errors(e.image)) e.recorder.add(Rule::metadata, error);
+  if (e.recorder.count() == 0 &&
+      e.image.texels.size() != static_cast<std::uint64_t>(e.image.width) * static_cast<std::uint64_t>(e.image.height))
+    e.recorder.add(Rule::metadata,
+                   "the image has " + std::to_string(e.image.texels.size()) + " texels, not its width by its height");
+  return e.recorder.count() == 0;
 }
 
 Certificate certify(const GeometryImage& image, const Scene* scene, const SceneTree* tree, int threads) {

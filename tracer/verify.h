@@ -66,4 +66,8 @@ inline constexpr std::size_t kMaxFindings = 64;
 Certificate certify(const GeometryImage& image, const Scene* scene = nullptr, const SceneTree* tree = nullptr,
                     int threads = 0);
 
+/// What is wrong with the sizes and counts that the attributes tell, whatever the texels hold and however many there
+/// are: the first part of certify(). Empty where an image of this size can be as they say.
+std::vector<std::string> attribute_errors(const GeometryImage& image);
+
 }  // namespace plumbline

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // All copies of a region hold the same tree: the same nodes with the same bounds, whatever the order of children.
 #include <algorithm>
+#include <map>
 
 #include "tracer/tree_split.h"
 #include "tracer/verify_examination.h"
@@ -24,6 +25,18 @@ struct Twins {
   std::vector<std::uint32_t> of;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> strays;  ///< (node here, node of the first copy)
 };
+
+/// Where the trees differ, leaves still stand for those that lead to the same.
+void match_leaves(const CopyView& first, const CopyView& other, Twins& twins) {
+  std::map<std::uint32_t, std::uint32_t> by_payload;
+  for (std::uint32_t b = 0; b < other.nodes.size(); ++b)
+    if (other.nodes[b].is_leaf && other.nodes[b].payload != kNone) by_payload.emplace(other.nodes[b].payload, b);
+  for (std::uint32_t a = 0; a < first.nodes.size(); ++a) {
+    if (twins.of[a] != kNone || !first.nodes[a].is_leaf) continue;
+    if (const auto found = by_payload.find(first.nodes[a].payload); found != by_payload.end())
+      twins.of[a] = found->second;
+  }
+}
 
 Twins match(const CopyView& first, const std::vector<std::uint32_t>& first_least, const CopyView& other) {
   const std::vector<std::uint32_t> other_least = least_payloads(other);
@@ -59,6 +72,7 @@ Twins match(const CopyView& first, const std::vector<std::uint32_t>& first_least
       waiting.emplace_back(a_children[i], b_children[i]);
     }
   }
+  if (!twins.strays.empty()) match_leaves(first, other, twins);
   return twins;
 }
 

@@ -24,6 +24,12 @@ struct Piece {
   int cuts = 0;
 };
 
+double longest_side(const Piece& piece) {
+  glm::dvec3 lower = piece.corners[0], upper = lower;
+  for (const glm::dvec3& corner : piece.corners) lower = glm::min(lower, corner), upper = glm::max(upper, corner);
+  return std::max({upper.x - lower.x, upper.y - lower.y, upper.z - lower.z});
+}
+
 /// The two sides of the middle of the longest side of its box; false where nothing is left to cut.
 bool cut(const Piece& piece, Piece& low, Piece& high) {
   glm::dvec3 lower = piece.corners[0], upper = lower;
@@ -111,27 +117,49 @@ class Cover {
             shown(failing.excess));
   }
 
-  /// What fails for a piece that no leaf holds, at the leaf that comes nearest; node kNone where all is covered.
+  /// The volume to blame where not all is covered; node kNone where all is.
   Failing uncovered(const SharedTriangle& shared, double radius) {
-    std::vector<Piece> waiting{
-        {{glm::dvec3(shared.triangle.a), glm::dvec3(shared.triangle.b), glm::dvec3(shared.triangle.c)}, 0}};
+    const Piece whole{{glm::dvec3(shared.triangle.a), glm::dvec3(shared.triangle.b), glm::dvec3(shared.triangle.c)}, 0};
     const std::size_t most = kPiecesAtLeast + kPiecesPerLeaf * shared.leaves.size();
+    std::vector<Piece> waiting{whole};
     for (std::size_t pieces = 0; !waiting.empty(); ++pieces) {
       const Piece piece = std::move(waiting.back());
       waiting.pop_back();
       if (is_held(piece, shared, radius)) continue;
       Piece low, high;
-      if (pieces >= most || visits_left_ == 0 || !cut(piece, low, high)) {
-        Failing nearest;
-        for (const std::uint32_t leaf : shared.leaves)
-          if (const Failing here = failing_at(piece, leaf, radius);
-              nearest.node == kNone || here.excess < nearest.excess)
-            nearest = here;
-        return nearest;
-      }
+      if (pieces >= most || visits_left_ == 0 || !cut(piece, low, high)) return blamed(whole, shared, radius);
       waiting.push_back(std::move(low)), waiting.push_back(std::move(high));
     }
     return {};
+  }
+
+  /// Of the leaves the one that would have to grow least to cover all that none covers, and the volume above it that
+  /// fails worst. What is not covered is looked at in pieces of a share of the triangle.
+  Failing blamed(const Piece& whole, const SharedTriangle& shared, double radius) {
+    constexpr double kShare = 1.0 / 64.0;
+    constexpr std::size_t kMostPieces = 256;
+    const double small = kShare * longest_side(whole);
+    std::vector<Piece> waiting{whole}, open;
+    while (!waiting.empty() && open.size() < kMostPieces) {
+      const Piece piece = std::move(waiting.back());
+      waiting.pop_back();
+      if (is_held(piece, shared, radius)) continue;
+      Piece low, high;
+      if (longest_side(piece) <= small || !cut(piece, low, high)) {
+        open.push_back(piece);
+        continue;
+      }
+      waiting.push_back(std::move(low)), waiting.push_back(std::move(high));
+    }
+    Failing nearest;
+    for (const std::uint32_t leaf : shared.leaves) {
+      Failing worst;
+      for (const Piece& piece : open)
+        if (const Failing here = failing_at(piece, leaf, radius); worst.node == kNone || here.excess > worst.excess)
+          worst = here;
+      if (nearest.node == kNone || worst.excess < nearest.excess) nearest = worst;
+    }
+    return nearest;
   }
 
   /// Down from the roots, through volumes that hold the piece, to one of the triangle's leaves.

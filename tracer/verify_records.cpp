@@ -21,11 +21,11 @@ Matrices matrices_of(const GeometryImage& image, std::uint32_t n) {
   return m;
 }
 
-/// By how much matrix times inverse may miss an entry of the identity, for each entry. The inverse is adjugate by
-/// determinant in double, then rounded to float. With A the cofactors' sums of absolute products and
-/// Q = max |L| A^T: a cofactor is off by 2 * 2^-53 of A and the determinant by 5 * 2^-53 of Q, so that L times the
-/// double inverse misses the identity by less than 2^-49 Q / |det|, and its determinant as computed here is off by no
-/// more; rounding to float adds 2^-24 of |L| |L^-1|, or 2^-150 where it leaves a denormal.
+/// By how much inverse times matrix may miss the identity, for each entry. The inverse is adjugate by determinant in
+/// double, then rounded to float. With A the cofactors' sums of absolute products and Q the largest entry of A^T |L|: a
+/// cofactor is off by 2 * 2^-53 of A and the determinant by 5 * 2^-53 of Q, so that the double inverse times L misses
+/// the identity by less than 2^-49 Q / |det|, and the determinant as computed here is off by no more; rounding to float
+/// adds 2^-24 of |L^-1| |L|, or 2^-150 where it leaves a denormal.
 glm::dmat3 inverse_bound(const Matrices& m) {
   const glm::dmat3& l = m.forward;
   double det = 0.0, q = 0.0;
@@ -38,12 +38,12 @@ glm::dmat3 inverse_bound(const Matrices& m) {
     }
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
-      q = std::max(q, std::abs(l[i][0]) * a[j][0] + std::abs(l[i][1]) * a[j][1] + std::abs(l[i][2]) * a[j][2]);
+      q = std::max(q, a[0][i] * std::abs(l[0][j]) + a[1][i] * std::abs(l[1][j]) + a[2][i] * std::abs(l[2][j]));
   glm::dmat3 bound;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) {
       double product = 0.0, size = 0.0;
-      for (int k = 0; k < 3; ++k) product += std::abs(l[i][k] * m.back[k][j]), size += std::abs(l[i][k]);
+      for (int k = 0; k < 3; ++k) product += std::abs(m.back[i][k] * l[k][j]), size += std::abs(l[k][j]);
       bound[i][j] = (0x1p-24 * product + 0x1p-150 * size) * (1.0 + 0x1p-20) + 0x1p-48 * q / std::abs(det);
     }
   return bound;
@@ -141,11 +141,11 @@ class Records {
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) {
         double entry = 0.0;
-        for (int k = 0; k < 3; ++k) entry += m.forward[i][k] * m.back[k][j];
+        for (int k = 0; k < 3; ++k) entry += m.back[i][k] * m.forward[k][j];
         const double miss = std::abs(entry - (i == j ? 1.0 : 0.0));
         if (miss <= bound[i][j]) continue;
         find(Rule::inverse, n, static_cast<std::uint32_t>(i),
-             "entry (" + std::to_string(i) + ", " + std::to_string(j) + ") of matrix times inverse is " + shown(entry) +
+             "entry (" + std::to_string(i) + ", " + std::to_string(j) + ") of inverse times matrix is " + shown(entry) +
                  ", off by " + shown(miss) + " where rounding explains " + shown(bound[i][j]));
         return;
       }

@@ -100,6 +100,8 @@ class Clusters {
         e_.recorder.add(Rule::metadata, "the image is said to hold " + std::to_string(told) + " " + what +
                                             ", but it holds " + std::to_string(found));
     };
+    demand(static_cast<std::uint32_t>(std::count(region_.begin(), region_.end(), 0u)), image_.world_primitives,
+           "primitives in the world");
     demand(triangles, image_.triangle_count, "triangles");
     demand(spheres, image_.sphere_count, "spheres");
   }
