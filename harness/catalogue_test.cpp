@@ -16,6 +16,8 @@ namespace {
 std::vector<Case> catalogue() {
   CatalogueOptions options;
   options.scenes = own_scenes();
+  for (ListedScene& s : placed_scenes()) options.scenes.push_back(std::move(s));
+  options.whole = true;
   return make_catalogue(options);
 }
 }  // namespace
@@ -36,6 +38,25 @@ TEST_CASE("Every family is asked on every scene") {
   for (const ListedScene& scene : own_scenes())
     for (const RayFamilyInfo& family : ray_families())
       CHECK(select_cases(cases, {"hits." + std::string(family.name) + "." + scene.name}).size() == 1);
+}
+
+TEST_CASE("Every scene of instances is asked both ways out of a transform, in every family") {
+  const std::vector<Case> cases = catalogue();
+  REQUIRE(placed_scenes().size() >= 8);
+  std::uint64_t rays = 0;
+  for (const Case& c : select_cases(cases, {"transforms.*"})) rays += c.rays;
+  CHECK(rays >= 5'000'000);
+  for (const ListedScene& scene : placed_scenes()) {
+    for (const char* out : {"restore", "inverse"})
+      for (const RayFamilyInfo& family : ray_families())
+        CHECK(
+            select_cases(cases, {std::string("transforms.") + out + "." + std::string(family.name) + "." + scene.name})
+                .size() == 1);
+    for (const char* kind : {"two_truths", "brute_force", "variants", "updates"})
+      CHECK(select_cases(cases, {std::string("transforms.") + kind + "." + scene.name}).size() == 1);
+  }
+  for (const char* name : {"transforms.frames.walk", "transforms.drift", "transforms.bunnies"})
+    CHECK(select_cases(cases, {name}).size() == 1);
 }
 
 TEST_CASE("Patterns select by prefix and by wildcard, and one that matches nothing is an error") {
