@@ -110,7 +110,7 @@ std::string joined(int argc, char** argv) {
 struct Arguments {
   std::vector<std::string> patterns;
   std::string scene, shard, budget, ray, pixel, time, json, history, image;
-  std::string out = "out";
+  std::string out = "out", transform_out = "restore", transform_list = "tree";
   std::uint64_t seed = 1, rays = 0;
   bool resume = false, quick = false;
   int rounds = 7;
@@ -163,6 +163,10 @@ int check(const Arguments& a, RunOptions options) {
   return run(arguments, options, catalogue_options({listed}, a.rays ? a.rays : 1 << 16, 0));
 }
 
+TransformOut transform_out_of(const Arguments& a) {
+  return a.transform_out == name_of(TransformOut::inverse) ? TransformOut::inverse : TransformOut::restore;
+}
+
 int explain_ray(const Arguments& a) {
   Session session;
   Scene scene = load_scene(a.scene);
@@ -170,7 +174,7 @@ int explain_ray(const Arguments& a) {
   if (!a.time.empty()) set_time(scene, parse_time(a.time));
   const Ray ray = a.ray.empty() ? pixel_ray(scene, a.pixel) : parse_ray(a.ray);
   const Stage& stage = session.stage(a.scene, std::move(scene));
-  const Explanation e = explain(session, stage, ray);
+  const Explanation e = explain(session, stage, ray, transform_out_of(a));
   std::fputs(e.text.c_str(), stdout);
   return is_failure(e.judgement.verdict) ? 1 : 0;
 }
@@ -178,7 +182,10 @@ int explain_ray(const Arguments& a) {
 int bake_scene(const Arguments& a) {
   const Scene scene = load_scene(a.scene);
   for (const std::string& warning : scene.warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
-  const GeometryImage image = bake(scene, BakeOptions{});
+  BakeOptions options;
+  options.transform_out = transform_out_of(a);
+  if (a.transform_list == name_of(TransformList::root)) options.transform_list = TransformList::root;
+  const GeometryImage image = bake(scene, options);
   write_geometry_image(image, a.image);
   std::printf("%s: %d x %d texels, %u cells, %u primitives\n", a.image.c_str(), image.width, image.height,
               image.cell_count, scene.primitive_count());
@@ -280,6 +287,16 @@ int dispatch(int argc, char** argv) {
   CLI::App* bake_sub = app.add_subcommand("bake", "Write a scene's geometry image as OpenEXR");
   bake_sub->add_option("SCENE", a.scene, "Scene file or generator")->required();
   bake_sub->add_option("-o,--output", a.image, "TREE.exr")->required();
+
+  for (CLI::App* sub : {explain_sub, bake_sub})
+    sub->add_option("--transform-out", a.transform_out, "How rays leave a transform: restore, or inverse (the paper's)")
+        ->check(CLI::IsMember({name_of(TransformOut::restore), name_of(TransformOut::inverse)}))
+        ->capture_default_str();
+  bake_sub
+      ->add_option("--transform-list", a.transform_list,
+                   "Where transforms stand: in a tree over their bounds, or all at the root (the paper's)")
+      ->check(CLI::IsMember({name_of(TransformList::tree), name_of(TransformList::root)}))
+      ->capture_default_str();
 
   CLI::App* bench_sub = app.add_subcommand("bench", "Measure speed against Embree, bakes and variants");
   bench_sub->add_option("--json", a.json, "Write the metrics to this file too");

@@ -14,7 +14,9 @@ std::vector<Case> driver_cases() {
     c.proves = asked.what;
     c.run = [asked](CaseContext& context, const Case&, CaseRecord& record) {
       const DriverResult result = run_driver_case(context.session.context(), asked);
-      record.message = result.detail;
+      // A sentence for people first, then the numbers.
+      record.message = result.found ? "not so here: " + asked.what + " " + result.detail : result.detail;
+      if (result.found && asked.tolerated) record.message += "; the tracer is written around it";
       record.figures.push_back({"fault found", "", result.found ? 1.0 : 0.0});
       // A fault that the tracer is written around is named, and fails nothing; one that it relies on not being there
       // fails.

@@ -67,16 +67,17 @@ Ray pixel_ray(const Scene& scene, const std::string& text) {
   return camera_ray(c, v[0], v[1]);
 }
 
-Explanation explain(Session& session, const Stage& stage, const Ray& ray) {
+Explanation explain(Session& session, const Stage& stage, const Ray& ray, TransformOut out) {
   const std::span<const Ray> rays(&ray, 1);
   Hit hit, brute;
   ReferenceHit reference;
-  session.probe(stage).trace(rays, {&hit, 1});
+  session.probe(stage, out).trace(rays, {&hit, 1});
   session.brute_force(stage).trace(rays, {&brute, 1});
   stage.embree.intersect(rays, {&reference, 1});
 
   Explanation e;
-  e.judgement = judge(stage.judge, ray, hit, reference, true);
+  const Judge judge_data = stage.judge_of(out);
+  e.judgement = judge(judge_data, ray, hit, reference, true);
   std::string& t = e.text;
   print(t, "scene        %s, %zu triangles, %zu spheres\n", stage.scene.name.c_str(), stage.scene.triangles.size(),
         stage.scene.spheres.size());
@@ -88,12 +89,15 @@ Explanation explain(Session& session, const Stage& stage, const Ray& ray) {
   print(t, "             --ray=%s\n", ray_argument(ray).c_str());
   print_values(t, "tracer", describe(hit), hit.kind == HitKind::hit, hit.position, hit.normal);
   print(t, "             %u cells visited, %u primitives tested", hit.steps, hit.primitive_tests);
-  print(t, stage.scene.nodes.empty() ? "\n" : ", %u transforms entered\n", hit.transforms);
+  if (stage.scene.nodes.empty())
+    t += "\n";
+  else
+    print(t, ", %u transforms entered (way out: %s)\n", hit.transforms, name_of(out));
   print_values(t, "brute force", describe(brute), brute.kind == HitKind::hit, brute.position, brute.normal);
   print_values(t, "Embree", describe(reference), reference.kind == HitKind::hit, reference.position, reference.normal);
   if (!e.judgement.exact.empty()) print(t, "exact        %s\n", e.judgement.exact.c_str());
   if (is_defined(ray)) {
-    const ExactView view(stage.judge, ray, 0);
+    const ExactView view(judge_data, ray, left_by(judge_data, hit));
     std::size_t shown = 0;
     for (const Crossing& c : view.crossings()) {
       if (++shown > 16) {

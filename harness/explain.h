@@ -19,6 +19,8 @@ struct Explanation {
   Judgement judgement;
   std::string text;  ///< for people, several lines
 };
-Explanation explain(Session& session, const Stage& stage, const Ray& ray);
+/// `out`: the variant of the tracer that is asked.
+Explanation explain(Session& session, const Stage& stage, const Ray& ray,
+                    TransformOut out = BakeOptions{}.transform_out);
 
 }  // namespace plumbline

@@ -6,6 +6,7 @@
 #include "harness/hit_cases.h"
 #include "reports/picture.h"
 #include "scenes/camera.h"
+#include "scenes/random.h"
 
 namespace plumbline {
 namespace {
@@ -19,6 +20,13 @@ std::vector<float> brightness_of(std::span<const Ray> rays, std::span<const Hit>
     if (hits[i].kind == HitKind::hit)
       brightness[i] = std::abs(glm::dot(glm::normalize(rays[i].direction), hits[i].normal));
   return brightness;
+}
+
+/// A number that tells what was hit from its neighbours, the same primitive in another instance too; kNone for a miss.
+std::uint32_t number_of(const Hit& hit) {
+  if (hit.kind != HitKind::hit) return kNone;
+  if (hit.instance == kNone) return hit.primitive;
+  return static_cast<std::uint32_t>(mix64(std::uint64_t{hit.instance} << 32 | hit.primitive) % kNone);
 }
 
 }  // namespace
@@ -62,7 +70,7 @@ Case picture_case(const ListedScene& scene) {
     std::vector<std::uint8_t> verdicts(rays.size());
     for (std::size_t i = 0; i < rays.size(); ++i) {
       const Hit& h = buffers.tracer[i];
-      primitives[i] = h.kind == HitKind::hit ? h.primitive : kNone;
+      primitives[i] = number_of(h);
       steps[i] = static_cast<float>(h.steps), tests[i] = static_cast<float>(h.primitive_tests);
       verdicts[i] = static_cast<std::uint8_t>(judged[i]);
     }
@@ -73,7 +81,7 @@ Case picture_case(const ListedScene& scene) {
       record.pictures.push_back(save_picture(picture, context.out, self.name + "." + stem, title, caption));
     };
     add(paint_primitives(primitives, brightness, kWidth, height), "hits", "Hit map",
-        "A colour for each primitive hit by the production tracer, darker where the ray grazes it.");
+        "A colour for each primitive of each instance hit by the production tracer, darker where the ray grazes it.");
     add(paint_values(steps, kWidth, height, "cells"), "steps", "Steps per pixel",
         "Cells of the geometry image that the ray visited.");
     add(paint_values(tests, kWidth, height, "tests"), "tests", "Primitive tests per pixel",

@@ -114,6 +114,9 @@ RunRecord run_cases(const std::vector<Case>& all, const RunOptions& options) {
       }
       return begun;
     }
+    if (!std::filesystem::exists(options.out / "cases.jsonl"))
+      throw InputError("there is no run in " + options.out.string() +
+                       " to go on with; begin it without --resume, or name its folder with --out");
     RunRecord earlier;
     Journal opened = Journal::resume(options.out, earlier);
     if (earlier.seed != run.seed || earlier.commit != run.commit || earlier.planned_cases != run.planned_cases ||

@@ -81,6 +81,9 @@ Case family_case(const ListedScene& scene, TransformOut out, RayFamily family, s
     Tally tally = compare_family(context, stage, judge, probe, stage.embree, family, seed, self.rays, record);
     name_layers(context.session, stage, tally);
     record_tally(tally, self.spec, record);
+    if (out != BakeOptions{}.transform_out)
+      for (RayRecord& r : record.worst)
+        r.replay.insert(r.replay.find(" --ray="), std::string(" --transform-out ") + name_of(out));
     conclude(tally, grazing_budget(stage, family, self.rays), record);
   };
   return c;

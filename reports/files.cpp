@@ -33,7 +33,9 @@ void make_folder(const fs::path& folder) {
   if (folder.empty()) return;
   std::error_code error;
   fs::create_directories(folder, error);
-  if (error) throw EnvironmentError(folder.string() + ": cannot make this folder: " + error.message());
+  if (error)
+    throw EnvironmentError(folder.string() + ": cannot make this folder (" + error.message() +
+                           "); choose one that can be written");
 }
 
 void write_text(const fs::path& file, std::string_view text) {
