@@ -206,7 +206,8 @@ double distance_scale(const BoundsContext& context, const Ray& ray, double t) {
 ReferenceHit double_hit(const Stage& stage, const PlacedRay& ray, std::uint32_t primitive) {
   ReferenceHit hit;
   hit.primitive = primitive, hit.instance = ray.instance;
-  const TransformD place = stage.judge.bounds.spaces.instances[ray.instance].to_world;
+  const TransformD place =
+      ray.instance == kNone ? TransformD{} : stage.judge.bounds.spaces.instances[ray.instance].to_world;
   const glm::dvec3& d = ray.direction;
   double from_origin = 0.0;
   glm::dvec3 normal;
@@ -257,18 +258,14 @@ double error_ratio(const ValueBounds& b, const Hit& hit, const ReferenceHit& tru
                    b.barycentrics > 0.0 ? weights / b.barycentrics : weights * 1e30});
 }
 
-/// Adds one hit to the outcome. Hits in instances are held against double_hit, and against exact_hit where they come
-/// near their bounds, and a sample of them.
+/// Adds one hit to the outcome. Hits are held against double_hit, and against exact_hit where they come near their
+/// bounds, and a sample of them.
 void examine_hit(const Stage& stage, const Judge& judge, const Ray& ray, const Hit& hit, bool sample, Outcome& o) {
   const PlacedRay placed = place_ray(judge.bounds, ray, hit.instance, left_by(judge, hit));
   const auto bounds_at = [&](double t) { return value_bounds(judge.bounds, placed, hit.primitive, t); };
-  ReferenceHit truth;
-  if (hit.instance == kNone) truth = exact_hit(stage.scene, ray, hit.primitive);
-  if (hit.instance != kNone) {
-    truth = double_hit(stage, placed, hit.primitive);
-    if (sample || !(error_ratio(bounds_at(truth.t), hit, truth) <= 0.5))
-      truth = exact_hit(stage.scene, ray, hit.instance, hit.primitive);
-  }
+  ReferenceHit truth = double_hit(stage, placed, hit.primitive);
+  if (sample || !(error_ratio(bounds_at(truth.t), hit, truth) <= 0.5))
+    truth = exact_hit(stage.scene, ray, hit.instance, hit.primitive);
   if (truth.kind != HitKind::hit) return;  // grazing: judged by its margin, not by its values
   const ValueBounds b = bounds_at(truth.t);
   if (roots_are_open(stage.scene, placed, hit.primitive, truth.t, b.t)) return;
