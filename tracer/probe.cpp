@@ -199,7 +199,14 @@ struct Probe::Impl {
       range_end = std::min(range_end + kBruteForceRange, std::uint32_t{1} << 30);
       draw(rows, true, range_end);
       std::vector<Open> still_open;
-      for (std::size_t k = 0; k < open.size(); ++k) take(open[k].ray, static_cast<std::uint32_t>(k), hits, still_open);
+      for (std::size_t k = 0; k < open.size(); ++k) {
+        // A pass that leaves everything as it was will do so for ever: a record leads the way out in a circle, or
+        // deeper than the driver's loops go. (Passes of brute force go on with other primitives.)
+        if (!is_brute && is_unchanged(k))
+          hits[open[k].ray].kind = HitKind::capped, hits[open[k].ray].steps = results[0][k].z;
+        else
+          take(open[k].ray, static_cast<std::uint32_t>(k), hits, still_open);
+      }
       open = std::move(still_open);
     }
   }
@@ -208,6 +215,13 @@ struct Probe::Impl {
   struct Open {
     std::uint32_t ray, pixel;
   };
+  /// Whether a pixel of the last pass has written the state that it was given.
+  bool is_unchanged(std::size_t pixel) const {
+    const auto count = static_cast<std::size_t>(target_count);
+    for (std::size_t i = 0; i < count; ++i)
+      if (state_texels[pixel * count + i] != results[i][pixel]) return false;
+    return true;
+  }
   /// Takes a ray's result from its pixel.
   void take(std::uint32_t ray, std::uint32_t pixel, std::span<Hit> hits, std::vector<Open>& open) const {
     if ((results[0][pixel].x & 7u) == kWordUnfinished) {

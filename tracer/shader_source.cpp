@@ -197,6 +197,7 @@ ShaderText probe_fragment_shader(const ProgramVariant& variant, std::span<const 
       {"LINK_SPHERE", "(" + std::to_string(kLinkSphere) + ")"},
       {"LINK_TRANSFORM", "(" + std::to_string(kLinkTransform) + ")"},
       {"TRANSFORM_TEXELS", std::to_string(kTransformTexels)},
+      {"MAX_DEPTH", std::to_string(kMaxDepth)},
       {"PRIMITIVE_STRIDE", std::to_string(primitive_stride(variant.layout, variant.has_triangles))},
       {"KIND_MISS", std::to_string(kWordMiss) + "u"},
       {"KIND_HIT", std::to_string(kWordHit) + "u"},

@@ -121,8 +121,9 @@ bool write_result(float t_max) {
   }
 #endif
 #ifdef HAS_TRANSFORMS
-  // Out of the instance, level by level.
-  for (; node >= 0;) {
+  // Out of the instance, level by level; a broken record may lead in a circle.
+  int level = 0;
+  for (; node >= 0 && level < MAX_DEPTH; ++level) {
     if (node >= 0) {
       vec4 back_0 = record_texel(node, 0), back_1 = record_texel(node, 1), back_2 = record_texel(node, 2);
       vec4 row_0 = record_texel(node, 3), row_1 = record_texel(node, 4), row_2 = record_texel(node, 5);

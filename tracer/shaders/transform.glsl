@@ -42,7 +42,8 @@ void enter_space(int node) {
 // Derives the ray of a space from the world's, through all spaces around it: the very bits that it had on its way in.
 // A driver may end all loops of an invocation without a word; then ray.cut is set.
 void derive_ray(int space) {
-  int depth = space == SPACE_WORLD ? 0 : int(record_texel(space, 7).z);
+  // No deeper than nodes nest, whatever a broken record says: the loops below take the square of it.
+  int depth = space == SPACE_WORLD ? 0 : min(int(record_texel(space, 7).z), MAX_DEPTH);
   ray = world_ray;
   bool cut = false;
   int level = 1;
