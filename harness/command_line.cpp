@@ -12,7 +12,7 @@
 
 #include "harness/bench.h"
 #include "harness/catalogue.h"
-#include "harness/explain.h"
+#include "harness/commands.h"
 #include "harness/faults.h"
 #include "harness/hit_cases.h"
 #include "harness/progress.h"
@@ -62,20 +62,6 @@ double parse_duration(const std::string& text) {
   return value * scale;
 }
 
-/// Seconds of an animation.
-double parse_time(const std::string& text) {
-  std::size_t used = 0;
-  double value = std::numeric_limits<double>::quiet_NaN();
-  try {
-    value = std::stod(text, &used);
-  } catch (const std::exception&) {
-    used = 0;
-  }
-  if (used == 0 || used != text.size() || !std::isfinite(value))
-    throw InputError("--time takes seconds, such as 0.5; it is '" + text + "'");
-  return value;
-}
-
 /// "2/5": the second of five.
 void parse_shard(const std::string& text, RunOptions& options) {
   int used = 0;
@@ -109,8 +95,8 @@ std::string joined(int argc, char** argv) {
 /// What the subcommands share.
 struct Arguments {
   std::vector<std::string> patterns;
-  std::string scene, shard, budget, ray, pixel, time, json, history, image;
-  std::string out = "out", transform_out = "restore", transform_list = "tree";
+  std::string scene, shard, budget, json, history;
+  std::string out = "out";
   std::uint64_t seed = 1, rays = 0;
   bool resume = false, quick = false;
   int rounds = 7;
@@ -154,42 +140,11 @@ int run(const Arguments& a, RunOptions options, const CatalogueOptions& catalogu
 int check(const Arguments& a, RunOptions options) {
   Arguments arguments = a;
   arguments.history = "none";
-  const Scene scene = load_scene(a.scene);
-  for (const std::string& warning : scene.warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
-  if (placed_count(scene) == 0) throw InputError(a.scene + ": nothing to trace in this scene");
+  const Scene scene = load_to_trace(a.scene);
   const ListedScene listed{name_part(scene.name),   a.scene, false, !scene.spheres.empty(), !scene.nodes.empty(),
                            !scene.animation.empty()};
   options.replay = "./plumbline check " + quoted(a.scene);
   return run(arguments, options, catalogue_options({listed}, a.rays ? a.rays : 1 << 16, 0));
-}
-
-TransformOut transform_out_of(const Arguments& a) {
-  return a.transform_out == name_of(TransformOut::inverse) ? TransformOut::inverse : TransformOut::restore;
-}
-
-int explain_ray(const Arguments& a) {
-  Session session;
-  Scene scene = load_scene(a.scene);
-  if (placed_count(scene) == 0) throw InputError(a.scene + ": nothing to trace in this scene");
-  if (!a.time.empty()) set_time(scene, parse_time(a.time));
-  const Ray ray = a.ray.empty() ? pixel_ray(scene, a.pixel) : parse_ray(a.ray);
-  const Stage& stage = session.stage(a.scene, std::move(scene));
-  const Explanation e = explain(session, stage, ray, transform_out_of(a));
-  std::fputs(e.text.c_str(), stdout);
-  return is_failure(e.judgement.verdict) ? 1 : 0;
-}
-
-int bake_scene(const Arguments& a) {
-  const Scene scene = load_scene(a.scene);
-  for (const std::string& warning : scene.warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
-  BakeOptions options;
-  options.transform_out = transform_out_of(a);
-  if (a.transform_list == name_of(TransformList::root)) options.transform_list = TransformList::root;
-  const GeometryImage image = bake(scene, options);
-  write_geometry_image(image, a.image);
-  std::printf("%s: %d x %d texels, %u cells, %u primitives\n", a.image.c_str(), image.width, image.height,
-              image.cell_count, scene.primitive_count());
-  return 0;
 }
 
 int bench(const Arguments& a) {
@@ -275,28 +230,9 @@ int dispatch(int argc, char** argv) {
   check_sub->add_option("--seed", a.seed, "Seed of all rays")->check(kSeed)->capture_default_str();
   add_run_options(check_sub);
 
-  CLI::App* explain_sub =
-      app.add_subcommand("explain", "Tell of one ray what both tracers and exact arithmetic answer");
-  explain_sub->add_option("SCENE", a.scene, "Scene file or generator")->required();
-  auto* ray_option = explain_sub->add_option(
-      "--ray", a.ray, "OX,OY,OZ,DX,DY,DZ[,TMAX]; decimal or hex floats; write --ray=... where it begins with a minus");
-  explain_sub->add_option("--pixel", a.pixel, "X,Y: the ray through the centre of a pixel; 0,0 is the top left")
-      ->excludes(ray_option);
-  explain_sub->add_option("--time", a.time, "Seconds: where the scene's animation stands; as at rest if not given");
-
-  CLI::App* bake_sub = app.add_subcommand("bake", "Write a scene's geometry image as OpenEXR");
-  bake_sub->add_option("SCENE", a.scene, "Scene file or generator")->required();
-  bake_sub->add_option("-o,--output", a.image, "TREE.exr")->required();
-
-  for (CLI::App* sub : {explain_sub, bake_sub})
-    sub->add_option("--transform-out", a.transform_out, "How rays leave a transform: restore, or inverse (the paper's)")
-        ->check(CLI::IsMember({name_of(TransformOut::restore), name_of(TransformOut::inverse)}))
-        ->capture_default_str();
-  bake_sub
-      ->add_option("--transform-list", a.transform_list,
-                   "Where transforms stand: in a tree over their bounds, or all at the root (the paper's)")
-      ->check(CLI::IsMember({name_of(TransformList::tree), name_of(TransformList::root)}))
-      ->capture_default_str();
+  Commands commands;
+  add_explain_command(app, commands);
+  add_bake_command(app, commands);
 
   CLI::App* bench_sub = app.add_subcommand("bench", "Measure speed against Embree, bakes and variants");
   bench_sub->add_option("--json", a.json, "Write the metrics to this file too");
@@ -337,12 +273,8 @@ int dispatch(int argc, char** argv) {
     return run(a, options, whole_catalogue(a.rays, 0));
   }
   if (*check_sub) return check(a, options);
-  if (*explain_sub) {
-    if (a.ray.empty() && a.pixel.empty())
-      throw InputError("explain needs --ray or --pixel; see `plumbline explain --help`");
-    return explain_ray(a);
-  }
-  if (*bake_sub) return bake_scene(a);
+  for (const auto& [sub, act] : commands)
+    if (*sub) return act();
   if (*bench_sub) return bench(a);
   if (*faults_sub) return faults();
   return report(a);

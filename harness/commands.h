@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The subcommands that have a file each, for command_line.cpp alone.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "scenes/scene.h"
+#include "tracer/geometry_image.h"
+
+namespace plumbline {
+
+/// A subcommand and what it does, once the arguments are parsed; returns the exit status.
+using Commands = std::vector<std::pair<CLI::App*, std::function<int()>>>;
+
+void add_bake_command(CLI::App& app, Commands& commands);
+void add_explain_command(CLI::App& app, Commands& commands);
+
+/// Adds --layout, --bounds, --links, ...: all that makes one bake another. `options` must outlive the parsing.
+void add_bake_options(CLI::App& sub, BakeOptions& options);
+/// Adds --transform-out alone.
+void add_transform_out(CLI::App& sub, TransformOut& out);
+/// Loads a scene and prints its warnings. Throws InputError, also where it shows no primitives.
+Scene load_to_trace(const std::string& spec);
+/// Seconds of an animation.
+double parse_time(const std::string& text);
+
+}  // namespace plumbline
