@@ -116,20 +116,27 @@ class Bench {
     generate_rays_parallel(stage.rays, RayFamily::chords, 1, 0, random);
     const std::vector<std::pair<std::string, std::vector<Ray>>> kinds{{"primary", frame_rays(stage.scene)},
                                                                       {"random", random}};
+    BakeOptions boxed;
+    boxed.bounds = Bounds::aabb;
+    const GeometryImage boxes = bake(stage.scene, boxed);
     for (std::size_t k = 0; k < kinds.size(); ++k) {
       const auto& [kind, rays] = kinds[k];
-      const Race r = race_of(kind + " rays, " + scene.name, session_.probe(stage), stage, rays,
-                             0.5 * static_cast<double>(k), 0.5 * static_cast<double>(k + 1));
+      const double at = 0.5 * static_cast<double>(k);
+      const Race r = race_of(kind + " rays, " + scene.name, session_.probe(stage), stage, rays, at, at + 0.25);
       add(kind + "_vs_embree." + scene.name, "ratio", r.ratio);
       add(kind + "_rays_per_second." + scene.name, "rays/s", r.tracer);
       add(kind + "_embree_rays_per_second." + scene.name, "rays/s", r.embree);
       add(kind + "_steps." + scene.name, "steps/ray", {r.steps});
       add(kind + "_primitive_tests." + scene.name, "tests/ray", {r.tests});
+      const Race b = race_of(kind + " rays among boxes, " + scene.name, session_.probe(boxes), stage, rays, at + 0.25,
+                             at + 0.5);
+      add(kind + "_boxes_vs_embree." + scene.name, "ratio", b.ratio);
     }
     overhead(scene, stage);
   }
 
-  /// What a comparison run spends on anything but the tracing of both sides: rays, upload, verdicts.
+  /// What a comparison run spends on anything but the tracing of both sides, each from rays to hits: making rays, and
+  /// verdicts.
   void overhead(const ListedScene& scene, Stage& stage) {
     std::vector<double> shares;
     Tally tally;

@@ -39,9 +39,8 @@ void trace_and_judge(const Judge& judge, Probe& probe, const EmbreeScene& embree
                      std::uint64_t first_index, std::uint64_t seed, TraceBuffers& buffers, Tally& tally) {
   buffers.tracer.resize(rays.size());
   buffers.reference.resize(rays.size());
-  probe.trace(rays, buffers.tracer);
-  buffers.trace_seconds += probe.draw_seconds();
   const auto start = Clock::now();
+  probe.trace(rays, buffers.tracer);
   embree.intersect(rays, buffers.reference);
   buffers.trace_seconds += seconds_since(start);
   judge_batch(judge, rays, buffers.tracer, buffers.reference, first_index, seed, kSampleOneIn, tally);

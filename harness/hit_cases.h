@@ -17,7 +17,7 @@ namespace plumbline {
 struct TraceBuffers {
   std::vector<Hit> tracer;
   std::vector<ReferenceHit> reference;
-  double trace_seconds = 0.0;  ///< spent in the driver and in Embree
+  double trace_seconds = 0.0;  ///< spent on both sides from rays to hits
 };
 
 /// generate_rays on all cores.

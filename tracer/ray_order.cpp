@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "scenes/error.h"
+#include "tracer/halves.h"
 #include "tracer/shader_words.h"
 
 namespace plumbline {
@@ -118,7 +119,9 @@ RayPlaces place_rays(std::span<const Ray> rays, RayOrder order, const Ball& ball
   }
   if (order == RayOrder::sorted) {
     std::vector<std::uint32_t> keys(count);
-    for (std::uint32_t i = 0; i < count; ++i) keys[i] = sort_key(line_place(rays[i], ball));
+    in_halves(count, [&](int, std::size_t first, std::size_t end) {
+      for (std::size_t i = first; i < end; ++i) keys[i] = sort_key(line_place(rays[i], ball));
+    });
     const std::vector<std::uint32_t> ascending = sorted_by(keys);
     for (std::uint32_t k = 0; k < count; ++k) places.pixel[ascending[k]] = group_pixel(k);
   } else {
