@@ -128,8 +128,8 @@ class Bench {
       add(kind + "_embree_rays_per_second." + scene.name, "rays/s", r.embree);
       add(kind + "_steps." + scene.name, "steps/ray", {r.steps});
       add(kind + "_primitive_tests." + scene.name, "tests/ray", {r.tests});
-      const Race b = race_of(kind + " rays among boxes, " + scene.name, session_.probe(boxes), stage, rays, at + 0.25,
-                             at + 0.5);
+      const Race b =
+          race_of(kind + " rays among boxes, " + scene.name, session_.probe(boxes), stage, rays, at + 0.25, at + 0.5);
       add(kind + "_boxes_vs_embree." + scene.name, "ratio", b.ratio);
     }
     overhead(scene, stage);

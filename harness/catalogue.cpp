@@ -48,11 +48,13 @@ std::vector<Case> make_catalogue(const CatalogueOptions& options) {
     cases.push_back(brute_force_case(scene, options.brute_force_tests));
     cases.push_back(variants_case(scene, scene.has_nodes ? options.moved_rays : options.variant_rays));
     cases.push_back(bake_file_case(scene));
+    cases.push_back(verify_case(scene));
     // These put other scenes on the stage, so they come last.
     if (scene.moves) cases.push_back(frames_case(scene, options.moved_rays));
     if (scene.has_nodes) cases.push_back(updates_case(scene, options.moved_rays));
   }
   if (options.whole) {
+    cases.push_back(broken_trees_case());
     cases.push_back(drift_case());
     cases.push_back(bunnies_case(options.moved_rays));
   }

@@ -63,6 +63,8 @@ Case picture_case(const ListedScene& scene);
 Case brute_force_case(const ListedScene& scene, std::uint64_t tests);
 Case variants_case(const ListedScene& scene, std::uint64_t rays);
 Case bake_file_case(const ListedScene& scene);
+Case verify_case(const ListedScene& scene);
+Case broken_trees_case();
 Case embree_spheres_case(const ListedScene& scene, std::uint64_t rays);
 std::vector<Case> transform_cases(const ListedScene& scene, std::uint64_t rays, std::uint64_t truth_rays);
 Case frames_case(const ListedScene& scene, std::uint64_t rays);

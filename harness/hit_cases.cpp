@@ -6,7 +6,9 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstring>
 
 #include "harness/catalogue.h"
 #include "harness/clock.h"
@@ -71,6 +73,16 @@ std::vector<Ray> mixed_rays(const RaySource& source, std::uint64_t seed, std::si
     at += each;
   }
   return rays;
+}
+
+bool same_bits(const Hit& a, const Hit& b) {
+  const auto values = [](const Hit& h) {
+    return std::array{h.t,        h.position.x, h.position.y,     h.position.z,    h.normal.x,
+                      h.normal.y, h.normal.z,   h.barycentrics.x, h.barycentrics.y};
+  };
+  const auto va = values(a), vb = values(b);
+  return a.kind == b.kind && a.primitive == b.primitive && a.instance == b.instance &&
+         std::memcmp(&va, &vb, sizeof va) == 0;
 }
 
 bool is_skipped(const Stage& stage, CaseRecord& record) {

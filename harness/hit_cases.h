@@ -37,6 +37,9 @@ Tally compare_family(CaseContext& context, const Stage& stage, const Judge& judg
 /// Rays of every family, `each` of each.
 std::vector<Ray> mixed_rays(const RaySource& source, std::uint64_t seed, std::size_t each);
 
+/// Whether two answers are the same bit for bit. Steps and tests tell of the walk and do not count.
+bool same_bits(const Hit& a, const Hit& b);
+
 /// Marks the case as skipped where there is nothing to trace.
 bool is_skipped(const Stage& stage, CaseRecord& record);
 

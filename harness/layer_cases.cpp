@@ -16,21 +16,12 @@ namespace {
 /// Primitives, counted in every instance, that the brute-force layer takes on: it asks each for every ray.
 constexpr std::uint64_t kMostBruteForce = 2'000'000;
 
-bool same_bits(const glm::vec3& a, const glm::vec3& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
-
-/// All but steps and tests, which tell of the walk and not of the answer.
-bool same_answer(const Hit& a, const Hit& b) {
-  return a.kind == b.kind && a.primitive == b.primitive && a.instance == b.instance &&
-         std::bit_cast<std::uint32_t>(a.t) == std::bit_cast<std::uint32_t>(b.t) && same_bits(a.position, b.position) &&
-         same_bits(a.normal, b.normal) && std::memcmp(&a.barycentrics, &b.barycentrics, sizeof a.barycentrics) == 0;
-}
-
 /// Counts the rays whose answers differ in any bit, as agree and tracer_wrong, and keeps the first few.
 void record_differences(std::span<const Ray> rays, std::span<const Hit> got, std::span<const Hit> expected,
                         const std::string& expected_name, const std::string& spec, CaseRecord& record) {
   std::uint64_t differing = 0;
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    if (same_answer(got[i], expected[i]) && got[i].kind != HitKind::capped) continue;  // both capped is no agreement
+    if (same_bits(got[i], expected[i]) && got[i].kind != HitKind::capped) continue;  // both capped is no agreement
     if (++differing > 8) continue;
     RayRecord r;
     r.verdict = verdict_name(got[i].kind == HitKind::capped ? Verdict::capped : Verdict::tracer_wrong);

@@ -103,6 +103,20 @@ std::string fact(std::string_view name, std::string_view value) {
   return value.empty() ? "" : "<div><dt>" + std::string(name) + "</dt><dd>" + std::string(value) + "</dd></div>";
 }
 
+std::string table_html(const TableRecord& table) {
+  std::vector<Column> columns;
+  for (const std::string& heading : table.columns) columns.push_back({html_escape(heading)});
+  std::string rows;
+  for (const std::vector<std::string>& cells : table.rows) {
+    rows += "<tr>";
+    for (std::size_t i = 0; i < cells.size(); ++i)
+      rows +=
+          i == 0 ? "<th scope=\"row\">" + html_escape(cells[i]) + "</th>" : "<td>" + html_escape(cells[i]) + "</td>";
+    rows += "</tr>";
+  }
+  return framed_table(html_escape(table.title), html_escape(table.title), "findings", columns, rows);
+}
+
 std::string case_html(const CaseRecord& record, const std::string& id, const std::map<std::string, std::size_t>& scales,
                       const std::filesystem::path& folder, bool embed) {
   const CaseStatus status = outcome(record);
@@ -139,6 +153,7 @@ std::string case_html(const CaseRecord& record, const std::string& id, const std
     for (const PictureRecord& picture : record.pictures) html += picture_html(picture, scales, folder, embed);
     html += "</div>";
   }
+  for (const TableRecord& table : record.tables) html += table_html(table);
   if (!record.worst.empty()) html += "<div class=\"rays\" data-case=\"" + id + "\"></div>";
   return html + "</div></details>";
 }

@@ -66,6 +66,10 @@ Json to_json(const Figure& figure) {
   return out;
 }
 
+Json to_json(const TableRecord& table) {
+  return {{"title", table.title}, {"columns", table.columns}, {"rows", table.rows}};
+}
+
 Json to_json(const DriverFinding& finding) {
   return {{"name", finding.name}, {"found", finding.found}, {"detail", finding.detail}};
 }
@@ -80,24 +84,26 @@ Json list(const std::vector<Record>& records) {
 }
 
 Json to_json(const CaseRecord& record) {
-  return {{"name", record.name},
-          {"feature", record.feature},
-          {"scene", record.scene},
-          {"family", record.family},
-          {"proves", record.proves},
-          {"paper", record.paper},
-          {"status", status_name(outcome(record))},
-          {"message", record.message},
-          {"seed", std::to_string(record.seed)},
-          {"rays", record.rays},
-          {"verdicts", to_json(record.verdicts)},
-          {"seconds", number(record.seconds)},
-          {"trace_seconds", number(record.trace_seconds)},
-          {"max_margin_ratio", number(record.max_margin_ratio)},
-          {"replay", record.replay},
-          {"worst", list(record.worst)},
-          {"pictures", list(record.pictures)},
-          {"figures", list(record.figures)}};
+  Json out = {{"name", record.name},
+              {"feature", record.feature},
+              {"scene", record.scene},
+              {"family", record.family},
+              {"proves", record.proves},
+              {"paper", record.paper},
+              {"status", status_name(outcome(record))},
+              {"message", record.message},
+              {"seed", std::to_string(record.seed)},
+              {"rays", record.rays},
+              {"verdicts", to_json(record.verdicts)},
+              {"seconds", number(record.seconds)},
+              {"trace_seconds", number(record.trace_seconds)},
+              {"max_margin_ratio", number(record.max_margin_ratio)},
+              {"replay", record.replay},
+              {"worst", list(record.worst)},
+              {"pictures", list(record.pictures)},
+              {"figures", list(record.figures)}};
+  if (!record.tables.empty()) out["tables"] = list(record.tables);
+  return out;
 }
 
 Json header_to_json(const RunRecord& run, std::string_view format) {
@@ -245,6 +251,18 @@ Figure figure_of(const Node& node) {
   return figure;
 }
 
+TableRecord table_of(const Node& node) {
+  TableRecord table;
+  table.title = node["title"].text();
+  for (const Node& column : node["columns"].items()) table.columns.push_back(column.text());
+  for (const Node& row : node["rows"].items()) {
+    std::vector<std::string>& cells = table.rows.emplace_back();
+    for (const Node& cell : row.items()) cells.push_back(cell.text());
+    if (cells.size() != table.columns.size()) row.refuse("a list as long as \"columns\"");
+  }
+  return table;
+}
+
 CaseStatus status_of(const Node& node) {
   const std::string name = node.text();
   for (const CaseStatus status : {CaseStatus::passed, CaseStatus::failed, CaseStatus::error, CaseStatus::skipped})
@@ -272,6 +290,8 @@ CaseRecord case_of(const Node& node) {
   for (const Node& ray : node["worst"].items()) record.worst.push_back(ray_of(ray));
   for (const Node& picture : node["pictures"].items()) record.pictures.push_back(picture_of(picture));
   for (const Node& figure : node["figures"].items()) record.figures.push_back(figure_of(figure));
+  if (node.has("tables"))
+    for (const Node& table : node["tables"].items()) record.tables.push_back(table_of(table));
   return record;
 }
 

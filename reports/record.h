@@ -60,6 +60,13 @@ struct Figure {
   int rounds = 0;                ///< 0 or 1: measured once
 };
 
+/// A small table: what a case asked and what came of each question. All rows are as long as `columns`.
+struct TableRecord {
+  std::string title;                 ///< "Faults and who finds them"
+  std::vector<std::string> columns;  ///< headings
+  std::vector<std::vector<std::string>> rows;
+};
+
 enum class CaseStatus { passed, failed, error, skipped };
 
 struct CaseRecord {
@@ -83,6 +90,7 @@ struct CaseRecord {
   std::vector<RayRecord> worst;
   std::vector<PictureRecord> pictures;
   std::vector<Figure> figures;
+  std::vector<TableRecord> tables;
 };
 
 /// A known fault of a driver, asked for by a driver case.
