@@ -92,8 +92,9 @@ Case variants_case(const ListedScene& scene, std::uint64_t per_family) {
     std::vector<Hit> standard(rays.size()), hits(rays.size());
     context.session.probe(stage).trace(rays, standard);
     const std::vector<Variant> variants = all_variants(placed);
+    VariantTrees trees(stage.scene, stage.tree);
     for (std::size_t i = 0; i < variants.size(); ++i) {
-      const GeometryImage image = bake(stage.scene, variants[i].options);
+      const GeometryImage image = bake(stage.scene, trees.of(variants[i].options), variants[i].options);
       Probe& probe = context.session.probe(image);
       probe.trace(rays, hits);
       record_differences(rays, hits, standard, "the default variant, as " + variants[i].name, self.spec, record);

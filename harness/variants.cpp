@@ -46,4 +46,15 @@ std::vector<Variant> all_variants(bool placed) {
   return variants;
 }
 
+VariantTrees::VariantTrees(const Scene& scene, const SceneTree& standard) : scene_(scene), standard_(standard) {}
+
+const SceneTree& VariantTrees::of(const BakeOptions& options) {
+  const bool list = options.transform_list == TransformList::root;
+  if (options.tree == TreeOptions{} && !list) return standard_;
+  for (const Built& b : built_)
+    if (b.options == options.tree && b.list == list) return *b.tree;
+  built_.push_back({options.tree, list, std::make_unique<SceneTree>(build_scene_tree(scene_, options.tree, list))});
+  return *built_.back().tree;
+}
+
 }  // namespace plumbline

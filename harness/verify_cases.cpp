@@ -39,8 +39,10 @@ std::uint64_t differing_rays(Session& session, const BrokenTree& tree, std::uint
 }
 
 void verify_variants(CaseContext& context, const Case& self, CaseRecord& record) {
-  const Scene& scene = context.session.stage(self.spec).scene;
-  if (is_skipped(context.session.stage(self.spec), record)) return;
+  const Stage& stage = context.session.stage(self.spec);
+  const Scene& scene = stage.scene;
+  if (is_skipped(stage, record)) return;
+  VariantTrees trees(scene, stage.tree);
   std::vector<Variant> variants = all_variants(!scene.nodes.empty());
   variants.insert(variants.begin(), {"default", "", BakeOptions{}});
   std::size_t broken = 0;
@@ -48,7 +50,7 @@ void verify_variants(CaseContext& context, const Case& self, CaseRecord& record)
   double certify_seconds = 0.0;
   for (std::size_t i = 0; i < variants.size(); ++i) {
     const BakeOptions& options = variants[i].options;
-    const SceneTree tree = build_scene_tree(scene, options.tree, options.transform_list == TransformList::root);
+    const SceneTree& tree = trees.of(options);
     const GeometryImage image = bake(scene, tree, options);
     const Certificate certificate = certify(image, &scene, &tree);
     certify_seconds += certificate.seconds;

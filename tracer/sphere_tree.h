@@ -21,6 +21,7 @@ struct TreeOptions {
   /// not the triangles); 0: none. Splitting never changes an answer, see tree_references.cpp. SphereTree::options tells
   /// what kSplitBest has chosen.
   float split_long = kSplitBest;
+  bool operator==(const TreeOptions&) const = default;
 };
 
 /// One node. A leaf has no children. Bounds hold everything below, as exact sets, rounded outwards to float; of a split
