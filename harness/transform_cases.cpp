@@ -14,9 +14,6 @@ namespace plumbline {
 namespace {
 
 constexpr std::size_t kBatch = std::size_t{1} << 16;
-/// Of this many rays one may be answered wrongly by one of Embree's two scenes before that is a fault of how they are
-/// placed: rounding loses far fewer.
-constexpr std::uint64_t kWrongOneIn = 1000;
 
 /// What a family proves where geometry is placed by transforms.
 std::string proof_of(RayFamily family, TransformOut out) {
@@ -94,6 +91,8 @@ struct TruthTally {
   std::array<std::uint64_t, kVerdictCount> count{};
   std::vector<RayRecord> kept;
   std::uint64_t both_wrong = 0;
+  std::uint64_t edge_on =
+      0;  ///< wrong in one scene, by a ray that is aimed along the plane of a triangle, or along an axis
 };
 
 bool is_right_or_near(const ExactView& view, const Answer& answer) {
@@ -107,8 +106,28 @@ double flattening_blur(const Stage& stage) {
   return 4.0 * 0x1p-24 * (glm::length(ball.center) + ball.radius);
 }
 
+/// Whether 32 bits cannot tell on which side of the triangle's edges the ray passes. Embree takes the corners from the
+/// ray's origin, each off by u D for D the coordinates' and the distance's size, and multiplies them by edges of at
+/// most M: its edge functions are off by 2 u D M, and by 2 u of their two products of D M each. With 4 u D M for each
+/// of three of them, a triangle whose area across the ray is less than 12 u D M has no side that Embree could know.
+bool is_edge_on(const Stage& stage, const Ray& ray, std::uint32_t instance, std::uint32_t primitive) {
+  if (!stage.scene.is_triangle(primitive)) return false;
+  std::array<glm::dvec3, 3> corners;
+  double size = 0.0, longest = 0.0;
+  const glm::dvec3 origin(ray.origin), direction = glm::normalize(glm::dvec3(ray.direction));
+  for (std::size_t i = 0; i < 3; ++i) {
+    corners[i] = glm::dvec3(stage.scene.positions[stage.scene.triangles[primitive].position[i]]);
+    if (instance != kNone)
+      corners[i] = transform_point(stage.judge.bounds.spaces.instances[instance].to_world, corners[i]);
+    size = std::max(size, glm::length(corners[i] - origin) + glm::length(corners[i]));
+  }
+  for (std::size_t i = 0; i < 3; ++i) longest = std::max(longest, glm::length(corners[(i + 1) % 3] - corners[i]));
+  const double area = std::abs(glm::dot(glm::cross(corners[1] - corners[0], corners[2] - corners[0]), direction));
+  return area <= 12.0 * 0x1p-24 * size * longest;
+}
+
 /// Settles a ray on which the two scenes differ.
-void settle(const Stage& stage, const Ray& ray, std::uint64_t index, const ReferenceHit& placed,
+void settle(const Stage& stage, RayFamily family, const Ray& ray, std::uint64_t index, const ReferenceHit& placed,
             const ReferenceHit& flattened, TruthTally& tally) {
   const ExactView view(stage.judge, ray, 0);
   const Answer a = answer_of(placed), b = answer_of(flattened);
@@ -123,6 +142,16 @@ void settle(const Stage& stage, const Ray& ray, std::uint64_t index, const Refer
   ++tally.count[static_cast<std::size_t>(verdict)];
   if (verdict != Verdict::reference_wrong) return;
   tally.both_wrong += !a_holds && !b_holds;
+  // Either the scene that erred claims such a triangle, or it has missed one. Of rays aimed along planes the answer
+  // need not show it: a false hit that double precision takes back has hidden what lies behind.
+  const Answer& wrong = a_holds ? b : a;
+  const auto edge_on = [&](std::uint32_t instance, std::uint32_t primitive) {
+    return is_edge_on(stage, ray, instance, primitive);
+  };
+  tally.edge_on += (a_holds || b_holds) &&
+                   ((wrong.kind == HitKind::hit && edge_on(wrong.instance, wrong.primitive)) ||
+                    std::any_of(view.crossings().begin(), view.crossings().end(),
+                                [&](const Crossing& c) { return c.nearest && edge_on(c.instance, c.primitive); }));
   if (tally.kept.size() >= kept_of(verdict)) return;
   RayRecord r;
   r.verdict = verdict_name(verdict);
@@ -180,7 +209,7 @@ Case two_truths_case(const ListedScene& scene, std::uint64_t per_family) {
         ++tally.count[static_cast<std::size_t>(Verdict::agree)];
       } else {
         apart += same;
-        settle(stage, rays[i], i, a[i], b[i], tally);
+        settle(stage, ray_families()[i / per_family].family, rays[i], i, a[i], b[i], tally);
       }
       if (i % kBatch == 0) context.progress(static_cast<double>(i) / static_cast<double>(rays.size()));
     }
@@ -191,11 +220,14 @@ Case two_truths_case(const ListedScene& scene, std::uint64_t per_family) {
     record.figures.push_back({"same primitive, values apart", "rays", static_cast<double>(apart)});
     const std::uint64_t wrong = tally.count[static_cast<std::size_t>(Verdict::reference_wrong)];
     const std::uint64_t untold = tally.count[static_cast<std::size_t>(Verdict::tracer_wrong)];
-    if (tally.both_wrong > 0 || untold > 0 || wrong > rays.size() / kWrongOneIn) {
+    // Embree may err about triangles seen edge-on (its issue 387), wherever they are placed. Any other wrong answer
+    // tells of how a scene was placed.
+    if (tally.both_wrong > 0 || untold > 0 || wrong > tally.edge_on) {
       record.status = CaseStatus::failed;
       record.message = std::to_string(wrong) + " of " + std::to_string(rays.size()) +
-                       " rays are wrong in one of Embree's scenes, " + std::to_string(tally.both_wrong) +
-                       " in both, and " + std::to_string(untold) + " undefined ones are answered";
+                       " rays are wrong in one of Embree's scenes, " + std::to_string(tally.edge_on) +
+                       " of them about triangles seen edge-on, " + std::to_string(tally.both_wrong) + " in both, and " +
+                       std::to_string(untold) + " undefined ones are answered";
     }
   };
   return c;
