@@ -148,10 +148,12 @@ void settle(const Stage& stage, RayFamily family, const Ray& ray, std::uint64_t 
   const auto edge_on = [&](std::uint32_t instance, std::uint32_t primitive) {
     return is_edge_on(stage, ray, instance, primitive);
   };
-  tally.edge_on += (a_holds || b_holds) &&
-                   ((wrong.kind == HitKind::hit && edge_on(wrong.instance, wrong.primitive)) ||
-                    std::any_of(view.crossings().begin(), view.crossings().end(),
-                                [&](const Crossing& c) { return c.nearest && edge_on(c.instance, c.primitive); }));
+  const auto& crossings = view.crossings();
+  const bool is_explained =
+      family == RayFamily::in_plane || (wrong.kind == HitKind::hit && edge_on(wrong.instance, wrong.primitive)) ||
+      std::any_of(crossings.begin(), crossings.end(),
+                  [&](const Crossing& c) { return c.nearest && edge_on(c.instance, c.primitive); });
+  tally.edge_on += (a_holds || b_holds) && is_explained;
   if (tally.kept.size() >= kept_of(verdict)) return;
   RayRecord r;
   r.verdict = verdict_name(verdict);
