@@ -91,8 +91,7 @@ struct TruthTally {
   std::array<std::uint64_t, kVerdictCount> count{};
   std::vector<RayRecord> kept;
   std::uint64_t both_wrong = 0;
-  std::uint64_t edge_on =
-      0;  ///< wrong in one scene, by a ray that is aimed along the plane of a triangle, or along an axis
+  std::uint64_t unresolved = 0;  ///< wrong in one scene, about what Embree's 32 bits cannot tell
 };
 
 bool is_right_or_near(const ExactView& view, const Answer& answer) {
