@@ -2,6 +2,7 @@
 // The cases `transforms.*` that compare rays on a scene of instances as it stands: both ways of leaving a transform
 // against Embree and exact arithmetic, and Embree's two ways of placing geometry against each other.
 #include <algorithm>
+#include <limits>
 
 #include "harness/catalogue.h"
 #include "harness/exact_view.h"
@@ -108,13 +109,14 @@ double flattening_blur(const Stage& stage) {
 /// Whether 32 bits cannot tell on which side of a triangle's edges the ray passes. Embree takes the corners from the
 /// ray's origin, each off by u D for D the coordinates' and the distance's size, and multiplies them by edges of at
 /// most M: its edge functions are off by 2 u D M, and by 2 u of their two products of D M each. With 4 u D M for each
-/// of three of them, a triangle whose area across the ray is less than 12 u D M has no side that Embree could know, and
-/// of any other it does not know whether a ray meets it that passes an edge by less than 12 u D. (Lengths in the
+/// of three of them, a triangle whose area across the ray is less than 12 u D M has no side that Embree could know. An
+/// edge function is the distance from the edge times the edge's length across the ray, at least m: of any other
+/// triangle Embree does not know whether a ray meets it that passes an edge by less than 12 u D M / m. (Lengths in the
 /// world.)
 bool is_beyond_embree(const Stage& stage, const Ray& ray, const Answer& about, const ExactView& view) {
   if (about.kind != HitKind::hit || !stage.scene.is_triangle(about.primitive)) return false;
   std::array<glm::dvec3, 3> corners;
-  double size = 0.0, longest = 0.0, stretch = 1.0;
+  double size = 0.0, longest = 0.0, shortest = std::numeric_limits<double>::infinity(), stretch = 1.0;
   const glm::dvec3 origin(ray.origin), direction = glm::normalize(glm::dvec3(ray.direction));
   for (std::size_t i = 0; i < 3; ++i) {
     corners[i] = glm::dvec3(stage.scene.positions[stage.scene.triangles[about.primitive].position[i]]);
@@ -125,11 +127,15 @@ bool is_beyond_embree(const Stage& stage, const Ray& ray, const Answer& about, c
     }
     size = std::max(size, glm::length(corners[i] - origin) + glm::length(corners[i]));
   }
-  for (std::size_t i = 0; i < 3; ++i) longest = std::max(longest, glm::length(corners[(i + 1) % 3] - corners[i]));
+  for (std::size_t i = 0; i < 3; ++i) {
+    const glm::dvec3 edge = corners[(i + 1) % 3] - corners[i];
+    longest = std::max(longest, glm::length(edge));
+    shortest = std::min(shortest, glm::length(glm::cross(edge, direction)));
+  }
   const double area = std::abs(glm::dot(glm::cross(corners[1] - corners[0], corners[2] - corners[0]), direction));
-  const double resolved = 12.0 * 0x1p-24 * size;
+  const double resolved = 12.0 * 0x1p-24 * size * longest;
   const Crossing* crossing = view.find(about);
-  return area <= resolved * longest || (crossing != nullptr && std::abs(crossing->margin) * stretch <= resolved);
+  return area <= resolved || (crossing != nullptr && std::abs(crossing->margin) * stretch * shortest <= resolved);
 }
 
 /// Settles a ray on which the two scenes differ.
