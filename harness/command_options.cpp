@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Options that several subcommands have, and how their values are read.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>
 #include <map>
+#include <vector>
 
 #include "harness/commands.h"
 #include "scenes/error.h"
@@ -55,6 +57,27 @@ void add_bake_options(CLI::App& sub, BakeOptions& options) {
                  "Split triangles with an edge longer than this share of the scene's radius; 0: none; measured if not "
                  "given")
       ->check(CLI::Range(0.0f, 2.0f));
+}
+
+BakeOptions parse_bake_options(const std::string& text, BakeOptions options) {
+  CLI::App app;
+  app.set_help_flag();
+  add_bake_options(app, options);
+  std::vector<std::string> words;
+  for (std::size_t at = 0; at <= text.size();) {
+    const std::size_t end = std::min(text.find(',', at), text.size());
+    words.push_back("--" + text.substr(at, end - at));
+    at = end + 1;
+  }
+  std::reverse(words.begin(), words.end());  // CLI11 takes them from the back
+  try {
+    for (const std::string& word : words)
+      if (word.find('=') == std::string::npos) throw CLI::ParseError("'" + word.substr(2) + "' has no value", 1);
+    app.parse(words);
+  } catch (const CLI::ParseError& error) {
+    throw InputError("'" + text + "' is no list of bake options such as layout=paper,bounds=aabb: " + error.what());
+  }
+  return options;
 }
 
 Scene load_to_trace(const std::string& spec) {

@@ -19,9 +19,13 @@ using Commands = std::vector<std::pair<CLI::App*, std::function<int()>>>;
 void add_bake_command(CLI::App& app, Commands& commands);
 void add_explain_command(CLI::App& app, Commands& commands);
 void add_verify_command(CLI::App& app, Commands& commands);
+void add_inspect_command(CLI::App& app, Commands& commands);
 
 /// Adds --layout, --bounds, --links, ...: all that makes one bake another. `options` must outlive the parsing.
 void add_bake_options(CLI::App& sub, BakeOptions& options);
+/// Reads the same options from one word, "layout=paper,bounds=aabb": names and values as above. What is not named stays
+/// as in `options`. Throws InputError for anything else.
+BakeOptions parse_bake_options(const std::string& text, BakeOptions options);
 /// Adds --transform-out alone.
 void add_transform_out(CLI::App& sub, TransformOut& out);
 /// Loads a scene and prints its warnings. Throws InputError, also where it shows no primitives.

@@ -80,6 +80,17 @@ Rgb verdict_color(std::string_view verdict) {
   return {140, 140, 140};
 }
 
+Rgb texel_color(std::string_view kind) {
+  if (kind == "nodes") return {11, 118, 196};
+  if (kind == "links") return {86, 180, 233};
+  if (kind == "copies") return {125, 143, 209};
+  if (kind == "ends") return {213, 94, 0};
+  if (kind == "primitives") return {230, 159, 0};
+  if (kind == "transforms") return {0, 158, 115};
+  if (kind == "unused") return {185, 194, 205};
+  return {136, 136, 136};
+}
+
 Rgb shaded(Rgb color, float brightness) {
   Rgb out{};
   for (std::size_t i = 0; i < 3; ++i) out[i] = to_code(to_linear(color[i]) * static_cast<double>(brightness));

@@ -24,6 +24,8 @@ Rgb value_color(double share);
 Rgb primitive_color(std::uint32_t primitive);
 /// The colour of a verdict, as in the page's legend (assets/report.css names the same); unknown names are grey.
 Rgb verdict_color(std::string_view verdict);
+/// The colour of a kind of texel of a geometry image: "nodes", "links", "copies", ...; unknown names are grey.
+Rgb texel_color(std::string_view kind);
 inline constexpr Rgb kNoValue{58, 64, 74};
 
 /// The colour at a brightness in [0, 1], scaled in linear light.

@@ -1,14 +1,20 @@
 // SPDX-License-Identifier: MIT
-// The sections of the page, for html.cpp alone. Each returns HTML, empty where there is nothing to show.
+// The sections of the page, for html.cpp, and what other pages have in common with it. Each returns HTML, empty where
+// there is nothing to show.
 #pragma once
 
 #include <filesystem>
 #include <string>
+#include <string_view>
+#include <unordered_map>
 #include <vector>
 
 #include "reports/html.h"
 
 namespace plumbline::page {
+
+/// Puts values into the template's {{marks}}, in one pass: a value that contains a mark is text.
+std::string filled(std::string_view text, const std::unordered_map<std::string_view, std::string>& values);
 
 /// For each case of the run the id of its element: "case-" and its name, made unique and fit for an address.
 std::vector<std::string> case_ids(const RunRecord& run);

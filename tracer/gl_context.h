@@ -13,6 +13,7 @@
   X(ActiveTexture, PFNGLACTIVETEXTUREPROC)                   \
   X(AttachShader, PFNGLATTACHSHADERPROC)                     \
   X(BindBuffer, PFNGLBINDBUFFERPROC)                         \
+  X(BindBufferBase, PFNGLBINDBUFFERBASEPROC)                 \
   X(BindFramebuffer, PFNGLBINDFRAMEBUFFERPROC)               \
   X(BindTexture, PFNGLBINDTEXTUREPROC)                       \
   X(BindVertexArray, PFNGLBINDVERTEXARRAYPROC)               \
@@ -37,6 +38,7 @@
   X(GenFramebuffers, PFNGLGENFRAMEBUFFERSPROC)               \
   X(GenTextures, PFNGLGENTEXTURESPROC)                       \
   X(GenVertexArrays, PFNGLGENVERTEXARRAYSPROC)               \
+  X(GetBufferSubData, PFNGLGETBUFFERSUBDATAPROC)             \
   X(GetError, PFNGLGETERRORPROC)                             \
   X(GetIntegerv, PFNGLGETINTEGERVPROC)                       \
   X(GetProgramInfoLog, PFNGLGETPROGRAMINFOLOGPROC)           \
@@ -46,6 +48,7 @@
   X(GetString, PFNGLGETSTRINGPROC)                           \
   X(GetUniformLocation, PFNGLGETUNIFORMLOCATIONPROC)         \
   X(LinkProgram, PFNGLLINKPROGRAMPROC)                       \
+  X(MemoryBarrier, PFNGLMEMORYBARRIERPROC)                   \
   X(ReadBuffer, PFNGLREADBUFFERPROC)                         \
   X(ReadPixels, PFNGLREADPIXELSPROC)                         \
   X(ShaderSource, PFNGLSHADERSOURCEPROC)                     \

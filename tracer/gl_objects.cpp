@@ -61,6 +61,39 @@ void GlTexture::bind(int unit) const {
   gl.BindTexture(target_, name_);
 }
 
+GlCounters::GlCounters(GlContext& context, std::size_t count) : context_(&context), count_(count) {
+  const GlFunctions& gl = context.use();
+  GLint most = 0;
+  gl.GetIntegerv(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
+  if (gl.GetError() != GL_NO_ERROR || count * sizeof(std::uint32_t) > static_cast<std::size_t>(most)) {
+    throw EnvironmentError("the OpenGL driver (" + context.renderer() + ") has no storage buffer of " +
+                           std::to_string(count) + " counters");
+  }
+  const std::vector<std::uint32_t> zeros(count, 0);
+  gl.GenBuffers(1, &name_);
+  gl.BindBuffer(GL_SHADER_STORAGE_BUFFER, name_);
+  gl.BufferData(GL_SHADER_STORAGE_BUFFER, static_cast<GLsizeiptr>(count * sizeof(std::uint32_t)), zeros.data(),
+                GL_DYNAMIC_COPY);
+  context.check("allocating counters");
+}
+
+GlCounters::~GlCounters() {
+  if (name_ != 0) context_->use().DeleteBuffers(1, &name_);
+}
+
+void GlCounters::bind(GLuint index) const { context_->use().BindBufferBase(GL_SHADER_STORAGE_BUFFER, index, name_); }
+
+std::vector<std::uint32_t> GlCounters::read() const {
+  const GlFunctions& gl = context_->use();
+  std::vector<std::uint32_t> counts(count_, 0);
+  gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+  gl.BindBuffer(GL_SHADER_STORAGE_BUFFER, name_);
+  gl.GetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, static_cast<GLsizeiptr>(count_ * sizeof(std::uint32_t)),
+                      counts.data());
+  context_->check("reading counters");
+  return counts;
+}
+
 GlFramebuffer::GlFramebuffer(GlContext& context, const GlTexture* targets, int count) : context_(&context) {
   const GlFunctions& gl = context.use();
   gl.GenFramebuffers(1, &name_);

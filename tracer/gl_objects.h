@@ -2,9 +2,12 @@
 // Owners of single GL objects: what a probe or a driver case creates is deleted with it.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <glm/glm.hpp>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "tracer/gl_context.h"
 
@@ -39,6 +42,30 @@ class GlTexture {
   GlContext* context_ = nullptr;
   GLenum target_ = GL_TEXTURE_2D;
   GLuint name_ = 0, buffer_ = 0;
+};
+
+/// Counters that shaders add to: a storage buffer of unsigned integers, all 0 to begin with.
+class GlCounters {
+ public:
+  GlCounters() = default;
+  /// Throws EnvironmentError where the driver has no storage buffers, or none as large.
+  GlCounters(GlContext& context, std::size_t count);
+  ~GlCounters();
+  GlCounters(GlCounters&& other) noexcept { *this = std::move(other); }
+  GlCounters& operator=(GlCounters&& other) noexcept {
+    std::swap(context_, other.context_), std::swap(name_, other.name_), std::swap(count_, other.count_);
+    return *this;
+  }
+  explicit operator bool() const { return name_ != 0; }
+  /// Makes these the counters of the storage block `index`.
+  void bind(GLuint index) const;
+  /// The counts so far, when all that was drawn has ended.
+  std::vector<std::uint32_t> read() const;
+
+ private:
+  GlContext* context_ = nullptr;
+  GLuint name_ = 0;
+  std::size_t count_ = 0;
 };
 
 /// A framebuffer that draws into textures, attachment i into targets[i].

@@ -34,6 +34,8 @@ struct Probe::Impl {
   std::vector<ShaderPatch> patches;
   std::vector<std::pair<ProgramVariant, GlProgram>> programs;
   GlTexture geometry, rays, state;
+  bool is_counting = false;
+  GlCounters visits;  // of the image at hand, where visits are counted
   std::array<GlTexture, kPassTargets> targets;
   GlFramebuffer plain_framebuffer, framebuffer;  // without the last target, with it
   int target_count = kPassTargets - 1;
@@ -77,11 +79,14 @@ struct Probe::Impl {
     require_fitting_image(*context, image);
     for (const bool thorough : {false, true}) {
       variants[thorough] = program_variant(image, traversal == Traversal::brute_force, thorough);
+      variants[thorough].count_visits = is_counting;
     }
     program(variants[0]);
     geometry = {};  // the old image goes first: two large ones need not fit
     geometry = upload_image(*context, image);
     uploaded = image.texels.size();
+    visits = {};
+    if (is_counting) visits = GlCounters(*context, std::size_t{2} * std::max(image.primitive_start, 1u));
     is_linear = image.options.layout == Layout::compact;
     set_constants(image);
   }
@@ -146,6 +151,7 @@ struct Probe::Impl {
     geometry.bind(kGeometryUnit);
     rays.bind(kRayUnit);
     if (state) state.bind(kStateUnit);
+    if (visits) visits.bind(0);
     pass.use();
     set_pass(pass, constants, {constants.scale_exponent, resume ? 1 : 0, static_cast<int>(range_end), 0});
     gl.BindFramebuffer(GL_FRAMEBUFFER, (target_count == kPassTargets ? framebuffer : plain_framebuffer).name());
@@ -237,9 +243,24 @@ Probe::Probe(GlContext& context, const GeometryImage& image, Traversal traversal
     : impl_(std::make_unique<Impl>(context, traversal, patches)) {
   set_image(image);
 }
+Probe::Probe(GlContext& context, Traversal traversal, std::span<const ShaderPatch> patches)
+    : impl_(std::make_unique<Impl>(context, traversal, patches)) {}
 Probe::~Probe() = default;
 Probe::Probe(Probe&&) noexcept = default;
 Probe& Probe::operator=(Probe&&) noexcept = default;
+
+VisitProbe::VisitProbe(GlContext& context, const GeometryImage& image, std::span<const ShaderPatch> patches)
+    : probe_(context, Traversal::tree, patches) {
+  probe_.impl_->is_counting = true;
+  probe_.set_image(image);
+}
+void VisitProbe::trace(std::span<const Ray> rays, std::span<Hit> hits) { probe_.trace(rays, hits); }
+std::vector<NodeVisits> VisitProbe::visits() const {
+  const std::vector<std::uint32_t> counts = probe_.impl_->visits.read();
+  std::vector<NodeVisits> visits(counts.size() / 2);
+  for (std::size_t i = 0; i < visits.size(); ++i) visits[i] = {counts[2 * i], counts[2 * i + 1]};
+  return visits;
+}
 
 void Probe::set_image(const GeometryImage& image) { impl_->set_image(image); }
 

@@ -6,6 +6,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "scenes/ray.h"
 #include "tracer/geometry_image.h"
@@ -54,8 +55,36 @@ class Probe {
   int resumed_passes() const;
 
  private:
+  friend class VisitProbe;
+  /// Without an image.
+  Probe(GlContext& context, Traversal traversal, std::span<const ShaderPatch> patches);
+
   struct Impl;
   std::unique_ptr<Impl> impl_;
+};
+
+/// How often walks came to a node.
+struct NodeVisits {
+  std::uint32_t visits = 0;
+  std::uint32_t hits = 0;  ///< of these, how often its bounding volume was hit; the end of a region always is
+};
+
+/// The production traversal with a counter at every node, which it slows down a little and changes in nothing else. A
+/// walk that is started anew by another pass (rays that drift, see probe.frag.glsl) is counted as often as it is made.
+class VisitProbe {
+ public:
+  /// Throws as Probe's constructor does, and EnvironmentError where the driver has no storage buffers (OpenGL 4.3).
+  VisitProbe(GlContext& context, const GeometryImage& image, std::span<const ShaderPatch> patches = {});
+
+  /// As Probe::trace.
+  void trace(std::span<const Ray> rays, std::span<Hit> hits);
+
+  /// Of the unit (texel or cell) where a node stands, by number, up to the primitives: by all rays traced so far. Sums
+  /// wrap around at 2^32.
+  std::vector<NodeVisits> visits() const;
+
+ private:
+  Probe probe_;
 };
 
 }  // namespace plumbline

@@ -179,6 +179,7 @@ ProgramVariant program_variant(const GeometryImage& image, bool brute_force, boo
           thorough,
           image.transform_count > 0,
           image.transform_count > 0 && image.options.transform_out == TransformOut::inverse,
+          false,
           false};
 }
 
@@ -212,8 +213,10 @@ ShaderText probe_fragment_shader(const ProgramVariant& variant, std::span<const 
   if (variant.out_inverse) defines.emplace_back("OUT_INVERSE", "");
   if (variant.bounds == Bounds::aabb) defines.emplace_back("BOUNDS_AABB", "");
   if (variant.capture) add_capture_defines(defines);
+  if (variant.count_visits) defines.emplace_back("COUNT_VISITS", "");
   defines.emplace_back("PASS_CONSTANT", "flat in");
   std::vector<std::string_view> files;
+  if (variant.count_visits) files.emplace_back("count_visits.glsl");  // its #extension stands before everything else
   for (const char* file :
        {"pass_constants.glsl", "exact.glsl", "ray_prepare.glsl", "capture_event.glsl", "triangle.glsl", "sphere.glsl",
         compact ? "image_compact.glsl" : "image_paper.glsl", "walk_state.glsl", "candidate.glsl", "bounds.glsl"})

@@ -51,8 +51,9 @@ struct ProgramVariant {
   /// in the thorough program of the same image.
   bool thorough = false;
   bool has_transforms = false;
-  bool out_inverse = false;  ///< of transforms
-  bool capture = false;      ///< keeps what happens on the walk (walk_trace.h); else nothing of that is in the text
+  bool out_inverse = false;   ///< of transforms
+  bool capture = false;       ///< keeps what happens on the walk (walk_trace.h); else nothing of that is in the text
+  bool count_visits = false;  ///< counts the visits of every node (Probe::count_visits); else nothing of that is
   bool operator==(const ProgramVariant&) const = default;
 };
 ProgramVariant program_variant(const GeometryImage& image, bool brute_force, bool thorough);

@@ -156,6 +156,10 @@ class RegionCopies {
 
 }  // namespace
 
+std::vector<std::uint32_t> twins_of(const CopyView& first, const CopyView& other) {
+  return match(first, least_payloads(first), other).of;
+}
+
 void check_copies(Examination& e) {
   if (e.image.copy_count < 2) return;
   std::vector<Recorder> found(e.regions.size(), Recorder(e.image));

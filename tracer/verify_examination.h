@@ -141,6 +141,11 @@ void check_scene(Examination& e);
 void check_tree(Examination& e);
 /// The certificate's `slack`. verify_slack.cpp
 void measure_slack(Examination& e);
+/// Of each node of a region's first copy: its sphere's radius over that of the smallest ball around the primitives
+/// below; 0 where Certificate::slack leaves it out. Clusters must have been checked.
+std::vector<double> node_slack(const Examination& e, const RegionView& region);
+/// Of each node of a copy the one that stands for it in another copy of the region; kNone: none does. verify_copies.cpp
+std::vector<std::uint32_t> twins_of(const CopyView& first, const CopyView& other);
 
 // What the bounds' parts share.
 

@@ -27,8 +27,8 @@ class RegionSlack {
     ratio_.assign(count, 0.0);
   }
 
-  /// Ratios of the nodes that have one, appended.
-  void measure(std::vector<double>& ratios) {
+  /// Of each node.
+  std::vector<double> measure() {
     const auto count = static_cast<std::uint32_t>(copy_.nodes.size());
     // Subtrees of a sixteenth at most are tasks; what stands above them comes after.
     std::vector<std::uint32_t> tasks;
@@ -46,8 +46,7 @@ class RegionSlack {
       for (std::uint32_t i = task; i < copy_.nodes[task].end; ++i) is_done[i] = true;
     for (std::uint32_t i = count; i-- > 0;)
       if (!is_done[i]) fit(i);
-    for (const double ratio : ratio_)
-      if (ratio > 0.0) ratios.push_back(ratio);
+    return std::move(ratio_);
   }
 
  private:
@@ -90,10 +89,16 @@ class RegionSlack {
 
 }  // namespace
 
+std::vector<double> node_slack(const Examination& e, const RegionView& region) {
+  return RegionSlack(e, region).measure();
+}
+
 void measure_slack(Examination& e) {
   if (has_boxes(e.image) || e.recorder.count() > 0) return;  // broken clusters would be no clusters
   std::vector<double> ratios;
-  for (const RegionView& region : e.regions) RegionSlack(e, region).measure(ratios);
+  for (const RegionView& region : e.regions)
+    for (const double ratio : node_slack(e, region))
+      if (ratio > 0.0) ratios.push_back(ratio);
   if (ratios.empty()) return;
   const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
   std::nth_element(ratios.begin(), middle, ratios.end());

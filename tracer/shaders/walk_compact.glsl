@@ -44,6 +44,9 @@ void walk_tree() {
       bool is_hit = distance2 <= abs(node.w);
       leaf_is_hit = distance2 <= -node.w;
 #endif
+#ifdef COUNT_VISITS
+      if (walk.cluster_at != at) count_visit(at, is_hit);
+#endif
 #ifdef CAPTURE
       capture_node(ivec2(at, 0), is_hit, node.w, vec2(0.0), nearest.t);
 #endif

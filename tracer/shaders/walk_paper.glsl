@@ -58,6 +58,9 @@ void walk_tree() {
       bool is_hit = distance2_to_segment(node.xyz) <= node.w;
 #endif
       geometry = is_hit ? links.xy : links.zw;
+#ifdef COUNT_VISITS
+      if (walk.cluster_at != link_cell(at)) count_visit(link_cell(at), is_hit);
+#endif
 #ifdef CAPTURE
       capture_node(floatBitsToInt(at), is_hit, node.w, geometry, nearest.t);
 #endif

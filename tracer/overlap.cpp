@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+#include "tracer/overlap.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace plumbline {
+namespace {
+
+double radius_of(const Volume& ball) { return std::sqrt(static_cast<double>(ball.radius2)); }
+double ball_volume(double radius) { return 4.0 / 3.0 * std::numbers::pi * radius * radius * radius; }
+
+double lens(const Volume& p, const Volume& q) {
+  const double a = radius_of(p), b = radius_of(q), d = glm::length(glm::dvec3(p.center) - glm::dvec3(q.center));
+  if (d >= a + b) return 0.0;
+  if (d <= std::abs(a - b)) return ball_volume(std::min(a, b));
+  const double depth = a + b - d;
+  return std::numbers::pi * depth * depth * (d * d + 2.0 * d * (a + b) - 3.0 * (a - b) * (a - b)) / (12.0 * d);
+}
+
+double box_volume(const glm::dvec3& lower, const glm::dvec3& upper) {
+  const glm::dvec3 size = upper - lower;
+  return std::max(size.x, 0.0) * std::max(size.y, 0.0) * std::max(size.z, 0.0);
+}
+
+}  // namespace
+
+double volume_of(const Volume& v) {
+  return v.is_box ? box_volume(glm::dvec3(v.lower), glm::dvec3(v.upper)) : ball_volume(radius_of(v));
+}
+
+double shared_volume(const Volume& a, const Volume& b) {
+  if (!a.is_box) return lens(a, b);
+  return box_volume(glm::max(glm::dvec3(a.lower), glm::dvec3(b.lower)),
+                    glm::min(glm::dvec3(a.upper), glm::dvec3(b.upper)));
+}
+
+double sibling_overlap(const Volume& parent, std::span<const Volume> children) {
+  const double whole = volume_of(parent);
+  if (!(whole > 0.0)) return std::numeric_limits<double>::quiet_NaN();
+  double shared = 0.0;
+  for (std::size_t i = 0; i < children.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) shared += shared_volume(children[i], children[j]);
+  return shared / whole;
+}
+
+}  // namespace plumbline
