@@ -58,8 +58,10 @@ function nodeRow(i, level) {
     make('span', { className: 'cell' }, `(${n.x[i]}, ${n.y[i]}) ${kindOf(i)}${n.children[i] && !kids ? ', not kept' : ''}`));
   row.append(name);
   const share = n.visits[i] ? Math.round(100 * n.hits[i] / n.visits[i]) : null;
-  for (const value of [n.radius[i], n.primitives[i], n.visits[i], share, n.cost[i], n.slack[i] || null, n.overlap[i]])
-    row.append(make('span', {}, short(value)));
+  const decimals = value => value === null ? '–' : value.toFixed(3);
+  for (const text of [short(n.radius[i]), short(n.primitives[i]), short(n.visits[i]), short(share), short(n.cost[i]),
+    decimals(n.slack[i] || null), decimals(n.overlap[i])])
+    row.append(make('span', {}, text));
   row.setAttribute('aria-selected', i === chosen);
   rowOf.set(i, row);
   return row;
