@@ -213,7 +213,10 @@ std::string palette_rules() {
   return css;
 }
 
-/// Puts values into the template's {{marks}}, in one pass: a value that contains a mark is text.
+}  // namespace
+
+namespace page {
+
 std::string filled(std::string_view text, const std::unordered_map<std::string_view, std::string>& values) {
   std::string out;
   for (std::size_t at; (at = text.find("{{")) != std::string_view::npos;) {
@@ -227,10 +230,6 @@ std::string filled(std::string_view text, const std::unordered_map<std::string_v
   }
   return out += text;
 }
-
-}  // namespace
-
-namespace page {
 
 std::string overview(const RunRecord& run, const std::vector<std::string>& ids, const ReportOptions& options) {
   const RunSummary total = summarize(run);
@@ -264,14 +263,14 @@ std::string report_html(const RunRecord& run, const std::filesystem::path& folde
     if (*name && at != std::string::npos)
       nav += "<a href=\"#" + html.substr(at + 4, html.find('"', at + 4) - at - 4) + "\">" + name + "</a>";
   }
-  return filled(asset("report.html"), {{"title", (total.ok() ? "✓ " : "✗ ") + html_escape(headline(total))},
-                                       {"palette", palette_rules() + page::scale_rules(run)},
-                                       {"css", std::string(asset("report.css"))},
-                                       {"nav", nav},
-                                       {"main", main},
-                                       {"footer", libraries_html(run)},
-                                       {"rays", page::packed_rays(run, ids)},
-                                       {"js", std::string(asset("report.js"))}});
+  return page::filled(asset("report.html"), {{"title", (total.ok() ? "✓ " : "✗ ") + html_escape(headline(total))},
+                                             {"palette", palette_rules() + page::scale_rules(run)},
+                                             {"css", std::string(asset("report.css"))},
+                                             {"nav", nav},
+                                             {"main", main},
+                                             {"footer", libraries_html(run)},
+                                             {"rays", page::packed_rays(run, ids)},
+                                             {"js", std::string(asset("report.js"))}});
 }
 
 void write_report(const RunRecord& run, const std::filesystem::path& folder, const ReportOptions& options) {
