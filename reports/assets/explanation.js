@@ -67,7 +67,7 @@ function outline(shape, width, height) {
   const dx = view.x - x, dy = view.y - y;
   const middle = Math.atan2((-dx * n + dy * c) / ry, (dx * c + dy * n) / rx);
   const reach = 2 * (width + height) / view.scale / Math.min(rx, ry);
-  const half = Math.min(Math.PI, reach), count = half < Math.PI ? 400 : 128;
+  const half = Math.min(Math.PI, reach), count = 512;
   const list = [];
   for (let i = 0; i <= count; ++i) {
     const a = middle + half * (2 * i / count - 1), p = rx * Math.cos(a), q = ry * Math.sin(a);
@@ -112,6 +112,7 @@ function redraw() {
   const axis = draw('g', { class: 'axis' });
   const raw = 90 / view.scale, power = 10 ** Math.floor(Math.log10(raw)), step = [1, 2, 5, 10].find(k => k * power >= raw) * power;
   const first = Math.ceil((view.x - width / 2 / view.scale) / step);
+  axis.append(draw('rect', { x: 0, y: height - 34, width, height: 34 }));
   axis.append(draw('line', { x1: 0, x2: width, y1: height - 34, y2: height - 34 }));
   for (let i = 0; i < 60; ++i) {
     const value = (first + i) * step, x = xOf(value);
