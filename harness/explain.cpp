@@ -64,8 +64,13 @@ bool same_answer(const Hit& a, const Hit& b, TransformOut out) {
          same_bits(a.normal, b.normal) && same_bits(glm::vec3(a.barycentrics, 0.0f), glm::vec3(b.barycentrics, 0.0f));
 }
 
+/// A loop over all primitives with the faults of the production shader, as far as they stand in what both share: the
+/// loop has neither a walk nor changes of space.
 Probe brute_probe(GlContext& context, const GeometryImage& image, std::span<const ShaderPatch> patches) {
-  return Probe(context, image, Traversal::brute_force, patches);
+  std::vector<ShaderPatch> shared;
+  for (const ShaderPatch& patch : patches)
+    if (patch.file != "change_space.glsl" && !patch.file.starts_with("walk_")) shared.push_back(patch);
+  return Probe(context, image, Traversal::brute_force, shared);
 }
 
 /// The exact truth, as far as it is a hit.
@@ -84,7 +89,7 @@ const WalkStep* found_at(const Walk& walk) {
   return found;
 }
 
-std::string sentence_of(const Explanation& e) {
+std::string sentence_of(const GeometryImage& image, const Explanation& e) {
   if (!e.is_wrong) return e.expected.primitive == kNone ? "nothing is to be hit, and nothing was" : e.loss->sentence;
   if (e.layer == Layer::driver)
     return e.walk.driver_agrees ? "the captured walk ends otherwise than the same ray did in production"
@@ -106,9 +111,12 @@ std::string sentence_of(const Explanation& e) {
     text = e.loss ? e.loss->sentence : "the walk came to another end than the truth, a miss";
   }
   if (e.layer == Layer::primitive_arithmetic) text += "; a loop over all primitives answers the same";
-  if (e.layer == Layer::transform &&
-      (!e.loss || (e.loss->kind != LossKind::way_in && e.loss->kind != LossKind::way_out)))
-    text += "; the ray or the hit was not taken through a transform as it should be";
+  if (e.layer == Layer::transform && (!e.loss || e.loss->transform == kNone)) {
+    const std::uint32_t node = ray_led_astray(image, e.walk);
+    text += node == kNone
+                ? "; the ray or the hit was not taken through a transform as it should be"
+                : "; before, transform " + std::to_string(node) + " has taken the ray elsewhere than its matrix";
+  }
   return text;
 }
 
@@ -170,7 +178,7 @@ Explanation Examiner::explain(const Ray& ray, std::size_t most_events) {
   if (e.expected.primitive != kNone) e.loss = lost_at(*examined_.image, e.walk, e.expected, examined_.sound);
   if (e.is_wrong)
     e.layer = layer_of({examined_.image, &e.walk, e.loss ? &*e.loss : nullptr, e.tracer, brute_same, e.expected});
-  e.sentence = sentence_of(e);
+  e.sentence = sentence_of(*examined_.image, e);
   return e;
 }
 

@@ -21,7 +21,7 @@ const std::map<std::string, std::set<Layer>> kLayers{{"sphere_shrunk", {Layer::b
                                                      {"far_root_first", {Layer::primitive_arithmetic}},
                                                      {"normal_turned", {Layer::primitive_arithmetic}},
                                                      {"weights_exchanged", {Layer::primitive_arithmetic}},
-                                                     {"cluster_cut_short", {Layer::tree}},
+                                                     {"cluster_cut_short", {Layer::primitive_arithmetic}},
                                                      {"t_off_by_1e-5", {Layer::primitive_arithmetic}},
                                                      {"transform_out_missing", {Layer::transform}},
                                                      {"out_by_the_matrix_of_in", {Layer::transform}},

@@ -108,6 +108,10 @@ Layer layer_of(const LayerEvidence& e) {
     const bool found = e.tracer.kind == HitKind::hit && e.tracer.primitive == e.expected.primitive;
     return is_placed && found ? Layer::transform : Layer::primitive_arithmetic;
   }
+  // A volume or a link that is as baked loses a ray only where the ray is not what it should be, or by its test.
+  const bool as_baked = e.loss != nullptr && e.loss->as_baked.value_or(false);
+  if (as_baked && is_placed && ray_led_astray(*e.image, *e.walk) != kNone) return Layer::transform;
+  if (as_baked && e.loss->kind == LossKind::link && e.loss->transform != kNone) return Layer::transform;  // not entered
   if (e.loss == nullptr) return e.tracer.instance != kNone ? Layer::transform : Layer::tree;
   switch (e.loss->kind) {
     case LossKind::bounds:
@@ -121,8 +125,13 @@ Layer layer_of(const LayerEvidence& e) {
     case LossKind::primitive:
       if (!e.loss->as_baked.value_or(false)) return Layer::tree;
       return is_placed ? Layer::transform : Layer::primitive_arithmetic;
-    case LossKind::none:
     case LossKind::nearer:
+      // It was tested, and is nearer than what was kept: the comparison is wrong, whatever the order of the tests.
+      if (e.loss->test && e.loss->test->outcome == PrimitiveTest::farther &&
+          e.loss->test->t_world < e.loss->test->nearest_before)
+        return Layer::primitive_arithmetic;
+      break;
+    case LossKind::none:
     case LossKind::leaf:
     case LossKind::absent:
     case LossKind::unknown:

@@ -58,7 +58,7 @@ std::vector<std::vector<std::string>> unpacked(const RunRecord& run) {
         fields.back() += c;
     }
     for (const auto& [mark, value] : {std::pair{'\2', fields.at(2)}, std::pair{'\3', fields.at(3)}})
-      if (const auto at = fields[12].find(mark); at != std::string::npos) fields[12].replace(at, 1, value);
+      if (const auto at = fields[11].find(mark); at != std::string::npos) fields[11].replace(at, 1, value);
     fields.insert(fields.begin(), data["names"][packed[0].get<std::size_t>()].get<std::string>());
     rays.push_back(fields);
   }

@@ -217,7 +217,7 @@ class Search {
   /// A node that the walk visited and did not enter.
   Loss rejected(const RegionCopy& copy, const std::vector<Ancestor>& chain, const Ancestor& ancestor) const {
     const WalkStep& step = walk_.steps[ancestor.step];
-    if (step.test == NodeTest::beyond) return at_step(LossKind::nearer, ancestor.step);
+    if (step.test == NodeTest::beyond && !ended_behind()) return at_step(LossKind::nearer, ancestor.step);
     if (step.test == NodeTest::end) {
       Loss loss = at_step(LossKind::link, ancestor.step);
       loss.expected_cell = ancestor.cell;
@@ -250,6 +250,13 @@ class Search {
       if (node.out != kNone) end = std::min(end, node.out);
     }
     return blame_transform(std::move(loss));
+  }
+
+  /// Whether the walk ended in a hit behind the one that was expected, so that no hit it had found before can hide that
+  /// one. 32 bits resolve t to within a few 2^-24 of itself and of the distances that went into it; 2^-16 is what
+  /// volumes are padded by, and more than that.
+  bool ended_behind() const {
+    return walk_.hit.kind == HitKind::hit && static_cast<double>(walk_.hit.t) > expected_.t * (1.0 + 0x1p-16);
   }
 
   bool same_volume(std::uint32_t cell) const {

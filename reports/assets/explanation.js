@@ -1,27 +1,11 @@
 // SPDX-License-Identifier: MIT
 // The page of one ray: the picture, which can be zoomed as far as numbers reach, and the table of steps.
-'use strict';
-const byId = id => document.getElementById(id);
-const make = (tag, properties = {}, ...children) => {
-  const element = Object.assign(document.createElement(tag), properties);
-  element.append(...children);
-  return element;
-};
 const data = JSON.parse(byId('data').textContent);
 const steps = data.walk.steps;
 const number = value => typeof value === 'number' ? value : { nan: NaN, inf: Infinity, '-inf': -Infinity }[value] ?? 0;
 const short = value => typeof value === 'string' ? value : Number((value || 0).toPrecision(7)).toString();
 const space = s => s === undefined || s === null ? '' : ` behind transform ${s}`;
 const place = s => `cell (${s.x}, ${s.y})${s.node === null || s.node === undefined ? '' : ', node ' + s.node}${space(s.space)}`;
-
-// ---- Copying ----
-for (const box of document.querySelectorAll('.cmd')) {
-  const text = box.textContent, button = make('button', { type: 'button', className: 'copy' }, 'Copy');
-  button.onclick = async () => {
-    try { await navigator.clipboard.writeText(text); button.textContent = 'Copied'; } catch { getSelection().selectAllChildren(box.firstChild); }
-  };
-  box.append(button);
-}
 
 // ---- The picture ----
 const kSvg = 'http://www.w3.org/2000/svg';
@@ -67,7 +51,7 @@ function outline(shape, width, height) {
   const dx = view.x - x, dy = view.y - y;
   const middle = Math.atan2((-dx * n + dy * c) / ry, (dx * c + dy * n) / rx);
   const reach = 2 * (width + height) / view.scale / Math.min(rx, ry);
-  const half = Math.min(Math.PI, reach), count = half < Math.PI ? 400 : 128;
+  const half = Math.min(Math.PI, reach), count = 512;
   const list = [];
   for (let i = 0; i <= count; ++i) {
     const a = middle + half * (2 * i / count - 1), p = rx * Math.cos(a), q = ry * Math.sin(a);
@@ -112,6 +96,7 @@ function redraw() {
   const axis = draw('g', { class: 'axis' });
   const raw = 90 / view.scale, power = 10 ** Math.floor(Math.log10(raw)), step = [1, 2, 5, 10].find(k => k * power >= raw) * power;
   const first = Math.ceil((view.x - width / 2 / view.scale) / step);
+  axis.append(draw('rect', { x: 0, y: height - 34, width, height: 34 }));
   axis.append(draw('line', { x1: 0, x2: width, y1: height - 34, y2: height - 34 }));
   for (let i = 0; i < 60; ++i) {
     const value = (first + i) * step, x = xOf(value);
