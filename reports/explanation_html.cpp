@@ -43,7 +43,7 @@ std::string explanation_html(const ExplanationRecord& r) {
                        {"facts", facts(r)},
                        {"command", r.command.empty() ? "" : page::command_box(r.command)},
                        {"data", page::inside_script(explanation_to_json(r))},
-                       {"js", std::string(asset("explanation.js"))}});
+                       {"js", std::string(asset("page.js")) + std::string(asset("explanation.js"))}});
 }
 
 }  // namespace plumbline

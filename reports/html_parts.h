@@ -36,8 +36,6 @@ std::string command_box(std::string_view command);
 
 /// A relative address: everything that has a meaning in one is encoded, so that a strange file name stays a file name.
 std::string address_of(std::string_view path);
-/// Puts values into a template's {{marks}}, in one pass: a value that contains a mark is text.
-std::string filled(std::string_view text, const std::unordered_map<std::string_view, std::string>& values);
 /// JSON that may stand inside a script element.
 std::string inside_script(std::string_view json);
 

@@ -1,27 +1,11 @@
 // SPDX-License-Identifier: MIT
 // The page of one ray: the picture, which can be zoomed as far as numbers reach, and the table of steps.
-'use strict';
-const byId = id => document.getElementById(id);
-const make = (tag, properties = {}, ...children) => {
-  const element = Object.assign(document.createElement(tag), properties);
-  element.append(...children);
-  return element;
-};
 const data = JSON.parse(byId('data').textContent);
 const steps = data.walk.steps;
 const number = value => typeof value === 'number' ? value : { nan: NaN, inf: Infinity, '-inf': -Infinity }[value] ?? 0;
 const short = value => typeof value === 'string' ? value : Number((value || 0).toPrecision(7)).toString();
 const space = s => s === undefined || s === null ? '' : ` behind transform ${s}`;
 const place = s => `cell (${s.x}, ${s.y})${s.node === null || s.node === undefined ? '' : ', node ' + s.node}${space(s.space)}`;
-
-// ---- Copying ----
-for (const box of document.querySelectorAll('.cmd')) {
-  const text = box.textContent, button = make('button', { type: 'button', className: 'copy' }, 'Copy');
-  button.onclick = async () => {
-    try { await navigator.clipboard.writeText(text); button.textContent = 'Copied'; } catch { getSelection().selectAllChildren(box.firstChild); }
-  };
-  box.append(button);
-}
 
 // ---- The picture ----
 const kSvg = 'http://www.w3.org/2000/svg';
