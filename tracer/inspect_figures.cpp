@@ -69,15 +69,15 @@ double surface_stretch(const glm::dmat3& linear) {
   return sum / kPoints;
 }
 
-/// That a random line through the ball of the region around a transform meets the ball of the space behind it.
+/// That a random line through the ball of the region around a transform meets the ball of the space behind it: by
+/// surfaces, more than 1 where that ball is the larger, so that its product with the chance of a node is the node's.
 double chance_behind(const GeometryImage& image, const InspectedRegion& around, const InspectedRegion& behind,
                      const InspectedNode& leaf) {
   glm::dmat3 rows;
   for (int i = 0; i < 3; ++i)
     rows[i] = glm::dvec3(glm::vec3(record_texel(image, leaf.transform, static_cast<std::uint32_t>(3 + i))));
   const double share = behind.radius / around.radius;
-  const double chance = surface_stretch(glm::transpose(rows)) * share * share;
-  return chance <= leaf.chance ? chance : leaf.chance;  // who meets the ball hits the leaf; NaN: the leaf's
+  return surface_stretch(glm::transpose(rows)) * share * share;
 }
 
 /// Costs of a region's own nodes, and of those behind its transforms that are known already.

@@ -235,6 +235,34 @@ TEST_CASE("inspect: the shader's counters add up to its own steps and tests") {
   }
 }
 
+TEST_CASE("inspect: a leaf that a walk comes back to is counted once") {
+  // Triangles in one plane and rays within it: each is seen edge-on and resolved in another pass.
+  Scene scene;
+  scene.name = "flat";
+  scene.materials.resize(1);
+  Random random(1, name_hash("flat"), 0);
+  const auto flat = [&] { return glm::vec3(random.uniform(-1, 1), 0.5, random.uniform(-1, 1)); };
+  for (int i = 0; i < 200; ++i) {
+    const glm::vec3 corner = flat();
+    add_triangle(scene, corner, corner + 0.1f * (flat() - flat()), corner + 0.1f * (flat() - flat()));
+  }
+  std::vector<Ray> rays(300);
+  for (Ray& ray : rays) ray.origin = 3.0f * flat() - glm::vec3(0, 1, 0), ray.direction = flat() - flat();
+  GlContext context;
+  for (const BakeOptions& variant : all_options()) {
+    const GeometryImage image = bake(scene, variant);
+    VisitProbe probe(context, image);
+    std::vector<Hit> hits(rays.size());
+    probe.trace(rays, hits);
+    std::uint64_t steps = 0, visits = 0;
+    for (const Hit& hit : hits) steps += hit.steps;
+    for (const NodeVisits& v : probe.visits()) visits += v.visits;
+    INFO(name_of(variant.layout) << " " << name_of(variant.bounds) << " " << name_of(variant.links));
+    CHECK(steps > 2 * rays.size());
+    CHECK(visits == steps);
+  }
+}
+
 TEST_CASE("inspect: random lines meet nodes as often as the cost model says") {
   const Scene scene = two_spheres(4.0f);
   const GeometryImage image = bake(scene, one_each({}));
