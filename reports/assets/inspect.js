@@ -366,7 +366,7 @@ for (const button of all('button.go')) {
     const n = bake.nodes, i = n.number.findIndex((number, k) => number === Number(button.dataset.node) && n.region[k] === Number(button.dataset.region));
     byId('tree').scrollIntoView();
     if (i >= 0) choose(i, 'table');
-    else byId('picked').textContent = 'This node stands deeper than the nodes that this page keeps; it is in inspect.json.';
+    else byId('picked').textContent = 'This node stands deeper than the nodes that this page keeps.';
   };
 }
 showBake(0);
