@@ -42,7 +42,8 @@ void start_walk() { walk.at = ivec2(0, 0); }
 
 void walk_tree() {
   int address = walk.at.x;
-  while (address < pass_range.z && nearest.pending < 0) {
+  int end = min(pass_range.z, pass_image.w);
+  while (address < end && nearest.pending < 0) {
     test_primitive(address);
     address = next_primitive(address);
   }
