@@ -122,6 +122,9 @@ Judgement judge(const Judge& judge, const Ray& ray, const Hit& tracer, const Ref
       return {Verdict::undefined, false, 0.0, 0.0, {}, "The ray has no answer (SEMANTICS 1.3)."};
     return {Verdict::tracer_wrong, false, 0.0, 0.0, {}, "The ray has no answer, but the tracer gave one."};
   }
+  // Bounds of `inverse` grow with each transform left; a walk enters each at most once.
+  if (judge.drifts && tracer.transforms > judge.bounds.spaces.nodes.size())
+    return {Verdict::tracer_wrong, false, 0.0, 0.0, {}, "The tracer entered more transforms than there are."};
   if (tracer.kind == HitKind::capped)
     return {
         Verdict::capped, false, 0.0, 0.0, {}, "The tracer's walk did not end within the number of cells of the image."};

@@ -120,13 +120,20 @@ TEST_CASE("What drift explains depends on how many transforms were left") {
   const std::uint32_t lower = static_cast<std::uint32_t>(b.scene.triangles.size()) - 2;
   const ReferenceHit truth = exact_hit(b.scene, kThroughSquare, 1, lower);
   const PlacedRay once = place_ray(b.judge.bounds, kThroughSquare, 1);
+  const auto all = static_cast<std::uint32_t>(b.scene.nodes.size());
+  const PlacedRay often = place_ray(b.judge.bounds, kThroughSquare, 1, all);
+  const double bound = value_bounds(b.judge.bounds, once, lower, truth.t).t,
+               drifted = value_bounds(b.judge.bounds, often, lower, truth.t).t;
+  REQUIRE(drifted > 1.1 * bound);
   Hit h = tracer_hit(truth);
-  h.t += static_cast<float>(4.0 * value_bounds(b.judge.bounds, once, lower, truth.t).t);
-  h.transforms = 1000;
+  h.t += static_cast<float>(0.5 * (bound + drifted));
+  h.transforms = all;
   CHECK(judge(b.judge, kThroughSquare, h, truth).verdict == Verdict::tracer_wrong);
   Judge drifting = b.judge;
   drifting.drifts = true;
   CHECK(judge(drifting, kThroughSquare, h, truth).verdict == Verdict::agree);
+  h.transforms = all + 1;  // no walk leaves more than there are
+  CHECK(judge(drifting, kThroughSquare, h, truth).verdict == Verdict::tracer_wrong);
   h.transforms = 0;
   CHECK(judge(drifting, kThroughSquare, h, truth).verdict == Verdict::tracer_wrong);
 }
