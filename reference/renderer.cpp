@@ -33,7 +33,7 @@ struct Accumulator {
   }
 };
 
-RenderSettings completed(const Scene& scene, RenderSettings settings) {
+ReferenceSettings completed(const Scene& scene, ReferenceSettings settings) {
   if (settings.width == 0 && settings.height == 0)
     settings.width = scene.camera.width, settings.height = scene.camera.height;
   if (settings.width < 1 || settings.height < 1 || settings.width > kLargestSide || settings.height > kLargestSide)
@@ -48,33 +48,33 @@ RenderSettings completed(const Scene& scene, RenderSettings settings) {
 
 struct ReferenceRenderer::Impl {
   Scene scene;
-  RenderSettings settings;
+  ReferenceSettings settings;
   bool lit_by_default = false;
   PhiloxSource own_numbers;
   EmbreeScene hits;
-  Stage stage;
-  double stage_time;
+  PreparedScene prepared;
+  double time_now;
 
-  Impl(const Scene& given, const RenderSettings& asked)
+  Impl(const Scene& given, const ReferenceSettings& asked)
       : scene(at_time(given, asked.time)),
         settings(completed(scene, asked)),
         own_numbers(settings.seed),
         hits(scene),
-        stage_time(settings.time) {
+        time_now(settings.time) {
     scene.camera.width = settings.width;
     scene.camera.height = settings.height;
     if (scene.lights.empty()) {
       scene.lights.push_back(default_light(scene.camera));
       lit_by_default = true;
     }
-    stage.scene = &scene;
-    stage.hits = &hits;
-    stage.views = instance_views(scene);
-    stage.camera = camera_frame(scene.camera);
-    stage.aperture = static_cast<double>(scene.camera.aperture);
-    stage.focus = focus_distance(scene.camera);
-    stage.effects = *settings.effects;
-    if (stage.effects.depth_of_field && !(stage.aperture < stage.focus))
+    prepared.scene = &scene;
+    prepared.hits = &hits;
+    prepared.views = instance_views(scene);
+    prepared.camera = camera_frame(scene.camera);
+    prepared.aperture = static_cast<double>(scene.camera.aperture);
+    prepared.focus = focus_distance(scene.camera);
+    prepared.effects = *settings.effects;
+    if (prepared.effects.depth_of_field && !(prepared.aperture < prepared.focus))
       throw InputError("camera: 'aperture' must be less than the distance of what is sharp");
   }
 
@@ -86,7 +86,7 @@ struct ReferenceRenderer::Impl {
 
   bool moves() const {
     const Camera& camera = scene.camera;
-    return stage.effects.motion_blur && camera.shutter_open != camera.shutter_close && !scene.animation.empty();
+    return prepared.effects.motion_blur && camera.shutter_open != camera.shutter_close && !scene.animation.empty();
   }
   double time_of(std::uint32_t frame, const RandomSource& numbers) const {
     if (!moves()) return settings.time;
@@ -95,11 +95,11 @@ struct ReferenceRenderer::Impl {
     return settings.time + open + numbers.time(frame) * (close - open);
   }
   void go_to(double time) {
-    if (time == stage_time) return;
+    if (time == time_now) return;
     set_time(scene, time);
     hits.move_nodes(scene);
-    stage.views = instance_views(scene);
-    stage_time = time;
+    prepared.views = instance_views(scene);
+    time_now = time;
   }
 
   /// Calls `each(tile's first column, first row)` for all tiles on all cores. False where `done` ended it, which is
@@ -122,11 +122,11 @@ struct ReferenceRenderer::Impl {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(settings.width) + static_cast<std::size_t>(x);
   }
 
-  void trace_sharp(int x, int y, Rendering& picture) const {
-    const CameraFrame& camera = stage.camera;
+  void trace_sharp(int x, int y, ReferencePicture& picture) const {
+    const CameraFrame& camera = prepared.camera;
     const glm::dvec3 through = camera.forward + camera.pixel * (x - camera.centre_x) * camera.right +
                                camera.pixel * (camera.centre_y - y) * camera.up;
-    const ReferenceHit hit = first_hit(stage, {glm::vec3(camera.from), glm::vec3(glm::normalize(through))});
+    const ReferenceHit hit = first_hit(prepared, {glm::vec3(camera.from), glm::vec3(glm::normalize(through))});
     if (hit.kind != HitKind::hit) return;
     const std::size_t i = at(x, y);
     picture.depth[i] = hit.t;
@@ -136,19 +136,20 @@ struct ReferenceRenderer::Impl {
   }
 };
 
-ReferenceRenderer::ReferenceRenderer(const Scene& scene, const RenderSettings& settings)
+ReferenceRenderer::ReferenceRenderer(const Scene& scene, const ReferenceSettings& settings)
     : impl_(std::make_unique<Impl>(scene, settings)) {}
 ReferenceRenderer::~ReferenceRenderer() = default;
 
 bool ReferenceRenderer::lit_by_default() const { return impl_->lit_by_default; }
-const RenderSettings& ReferenceRenderer::settings() const { return impl_->settings; }
+const ReferenceSettings& ReferenceRenderer::settings() const { return impl_->settings; }
 
-std::optional<Rendering> ReferenceRenderer::render(const RenderProgress& progress, const RandomSource* numbers) {
+std::optional<ReferencePicture> ReferenceRenderer::render(const ReferenceProgress& progress,
+                                                          const RandomSource* numbers) {
   Impl& impl = *impl_;
   const RandomSource& source = numbers != nullptr ? *numbers : impl.own_numbers;
-  const RenderSettings& settings = impl.settings;
+  const ReferenceSettings& settings = impl.settings;
   const std::size_t count = static_cast<std::size_t>(settings.width) * static_cast<std::size_t>(settings.height);
-  Rendering picture{settings.width, settings.height, settings.frames, {}, {}, {}, {}, {}, {}};
+  ReferencePicture picture{settings.width, settings.height, settings.frames, {}, {}, {}, {}, {}, {}};
   picture.depth.assign(count, std::numeric_limits<double>::infinity());
   picture.normal.assign(count, glm::dvec3(0.0));
   picture.primitive.assign(count, kNone);
@@ -166,7 +167,7 @@ std::optional<Rendering> ReferenceRenderer::render(const RenderProgress& progres
     const auto take_samples = [&](int x, int y) {
       Accumulator& sum = sums[impl.at(x, y)];
       for (std::uint32_t i = 0; i < at_once; ++i)
-        sum.add(sample_color(impl.stage, source, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y),
+        sum.add(sample_color(impl.prepared, source, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y),
                              settings.first_frame + first + i));
     };
     const auto tell = [&](double share) {
@@ -186,7 +187,7 @@ glm::dvec3 ReferenceRenderer::sample(std::uint32_t x, std::uint32_t y, std::uint
                                      const RandomSource* numbers) {
   const RandomSource& source = numbers != nullptr ? *numbers : impl_->own_numbers;
   impl_->go_to(impl_->time_of(frame, source));
-  return sample_color(impl_->stage, source, x, y, frame, record);
+  return sample_color(impl_->prepared, source, x, y, frame, record);
 }
 
 }  // namespace plumbline

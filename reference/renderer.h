@@ -11,7 +11,7 @@
 
 namespace plumbline {
 
-struct RenderSettings {
+struct ReferenceSettings {
   int width = 0, height = 0;  ///< pixels; 0: the scene camera's
   std::uint32_t frames = 1;   ///< samples of each pixel, at least 1
   std::uint32_t first_frame = 0;
@@ -21,7 +21,7 @@ struct RenderSettings {
 };
 
 /// A picture, row by row from the top. The sharp ray's values are those of SEMANTICS 6.9.
-struct Rendering {
+struct ReferencePicture {
   int width = 0, height = 0;
   std::uint32_t frames = 0;
   std::vector<glm::dvec3> mean;                    ///< linear colour
@@ -32,22 +32,22 @@ struct Rendering {
 };
 
 /// Called with the share that is done, by one thread at a time; false ends the rendering.
-using RenderProgress = std::function<bool(double share)>;
+using ReferenceProgress = std::function<bool(double share)>;
 
 class ReferenceRenderer {
  public:
   /// Copies the scene. Throws InputError for a camera that sees nothing, for a lens that reaches the plane of what is
   /// sharp, and for sizes or counts out of range.
-  ReferenceRenderer(const Scene& scene, const RenderSettings& settings);
+  ReferenceRenderer(const Scene& scene, const ReferenceSettings& settings);
   ~ReferenceRenderer();
 
   /// Whether the scene had no light, and is lit by default_light.
   bool lit_by_default() const;
-  const RenderSettings& settings() const;  ///< with the size and the effects that are meant
+  const ReferenceSettings& settings() const;  ///< with the size and the effects that are meant
 
   /// The picture, on all cores. It depends on the settings alone, not on the number of threads. `numbers`: null for the
   /// renderer's own. Nothing where `progress` ended it.
-  std::optional<Rendering> render(const RenderProgress& progress = {}, const RandomSource* numbers = nullptr);
+  std::optional<ReferencePicture> render(const ReferenceProgress& progress = {}, const RandomSource* numbers = nullptr);
 
   /// The colour of one sample and, where it is asked for, its record.
   glm::dvec3 sample(std::uint32_t x, std::uint32_t y, std::uint32_t frame, SampleRecord* record = nullptr,

@@ -32,14 +32,14 @@ bool turn_towards(const glm::dvec3& normal, glm::dvec3& direction) {
 
 class PathTracer {
  public:
-  PathTracer(const Stage& stage, const RandomSource& numbers, const Draw& sample, SampleRecord* record)
-      : stage_(stage), scene_(*stage.scene), numbers_(numbers), sample_(sample), record_(record) {}
+  PathTracer(const PreparedScene& prepared, const RandomSource& numbers, const Draw& sample, SampleRecord* record)
+      : prepared_(prepared), scene_(*prepared.scene), numbers_(numbers), sample_(sample), record_(record) {}
 
   /// The ray through the sample's place in its pixel (SEMANTICS 6.2).
   Path primary() const {
-    const CameraFrame& camera = stage_.camera;
+    const CameraFrame& camera = prepared_.camera;
     std::array<double, 2> place{0.5, 0.5};
-    if (stage_.effects.antialias) {
+    if (prepared_.effects.antialias) {
       Draw draw = sample_;
       draw.dimension = kPixelDimension;
       numbers_.fill(draw, place);
@@ -47,18 +47,18 @@ class PathTracer {
     const glm::dvec3 through = camera.forward +
                                camera.pixel * (sample_.x - 0.5 + place[0] - camera.centre_x) * camera.right +
                                camera.pixel * (camera.centre_y - (sample_.y - 0.5 + place[1])) * camera.up;
-    if (!(stage_.effects.depth_of_field && stage_.aperture > 0.0)) return {camera.from, glm::normalize(through)};
+    if (!(prepared_.effects.depth_of_field && prepared_.aperture > 0.0)) return {camera.from, glm::normalize(through)};
     const glm::dvec3 u = three(1, kLensDimension);
-    const glm::dvec3 p = stage_.effects.model == Effects::Model::physical ? on_disc(u) : in_cube(u);
-    const glm::dvec3 eye = stage_.aperture * (p.x * camera.right + p.y * camera.up + p.z * camera.forward);
-    return {camera.from + eye, glm::normalize(stage_.focus * through - eye)};
+    const glm::dvec3 p = prepared_.effects.model == Effects::Model::physical ? on_disc(u) : in_cube(u);
+    const glm::dvec3 eye = prepared_.aperture * (p.x * camera.right + p.y * camera.up + p.z * camera.forward);
+    return {camera.from + eye, glm::normalize(prepared_.focus * through - eye)};
   }
 
   glm::dvec3 color(const Path& path) {
     const std::size_t event = note(path);
-    const ReferenceHit hit = first_hit(stage_, rounded(path.origin, path.direction));
+    const ReferenceHit hit = first_hit(prepared_, rounded(path.origin, path.direction));
     if (hit.kind != HitKind::hit) return glm::dvec3(scene_.background);
-    const Surface surface = surface_at(scene_, stage_.views, hit, path.direction);
+    const Surface surface = surface_at(scene_, prepared_.views, hit, path.direction);
     if (record_ != nullptr) {
       RayEvent& e = record_->rays[event];
       e.instance = hit.instance;
@@ -67,7 +67,7 @@ class PathTracer {
     }
     const Material& material = *surface.material;
     glm::dvec3 sum = lit(surface, path);
-    if (path.bounce >= std::min(stage_.effects.depth, 5u)) return sum;
+    if (path.bounce >= std::min(prepared_.effects.depth, 5u)) return sum;
     if (material.specular > 0.0f)
       sum += static_cast<double>(material.specular) * color(reflected(surface, path, event));
     if (material.transmittance > 0.0f)
@@ -87,7 +87,7 @@ class PathTracer {
   /// A perturbation of lights and normals.
   glm::dvec3 in_body(std::uint32_t ray, std::uint32_t dimension) const {
     const glm::dvec3 u = three(ray, dimension);
-    return stage_.effects.model == Effects::Model::physical ? in_ball(u) : in_cube(u);
+    return prepared_.effects.model == Effects::Model::physical ? in_ball(u) : in_cube(u);
   }
 
   std::size_t note(const Path& path) {
@@ -102,7 +102,7 @@ class PathTracer {
     for (std::uint32_t k = 0; k < scene_.lights.size(); ++k) {
       const Light& light = scene_.lights[k];
       glm::dvec3 place(light.position);
-      if (stage_.effects.soft_shadows && light.radius > 0.0f)
+      if (prepared_.effects.soft_shadows && light.radius > 0.0f)
         place += static_cast<double>(light.radius) * in_body(path.number, kLightDimension + 3 * k);
       const LightOutcome outcome = reaches(surface, place);
       if (record_ != nullptr) record_->lights.push_back(outcome);
@@ -119,7 +119,7 @@ class PathTracer {
     const glm::dvec3 start = surface.position + surface.offset * surface.facing;
     Ray ray = rounded(start, light - start);
     ray.t_max = 1.0f;
-    const bool blocked = stage_.hits->is_blocked(ray) || ground_hit(scene_, ray);
+    const bool blocked = prepared_.hits->is_blocked(ray) || ground_hit(scene_, ray);
     return blocked ? LightOutcome::shadowed : LightOutcome::lit;
   }
 
@@ -146,9 +146,9 @@ class PathTracer {
   /// SEMANTICS 6.7, point 1.
   Path reflected(const Surface& surface, const Path& path, std::size_t event) const {
     const float own = surface.material->glossy;
-    const auto glossy = static_cast<double>(own >= 0.0f ? own : stage_.effects.glossy);
+    const auto glossy = static_cast<double>(own >= 0.0f ? own : prepared_.effects.glossy);
     glm::dvec3 normal = surface.shading;
-    if (stage_.effects.glossy_reflections && glossy > 0.0) {
+    if (prepared_.effects.glossy_reflections && glossy > 0.0) {
       const glm::dvec3 sum = normal + glossy * in_body(path.number, kNormalDimension);
       const double length = glm::length(sum);
       if (length > 0.0) normal = sum / length;
@@ -184,7 +184,7 @@ class PathTracer {
             path.bounce + 1};
   }
 
-  const Stage& stage_;
+  const PreparedScene& prepared_;
   const Scene& scene_;
   const RandomSource& numbers_;
   const Draw sample_;
@@ -193,16 +193,16 @@ class PathTracer {
 
 }  // namespace
 
-ReferenceHit first_hit(const Stage& stage, const Ray& ray) {
-  const ReferenceHit hit = stage.hits->first_hit(ray);
-  if (const auto ground = ground_hit(*stage.scene, ray); ground && ground->t < hit.t) return *ground;
+ReferenceHit first_hit(const PreparedScene& prepared, const Ray& ray) {
+  const ReferenceHit hit = prepared.hits->first_hit(ray);
+  if (const auto ground = ground_hit(*prepared.scene, ray); ground && ground->t < hit.t) return *ground;
   return hit;
 }
 
-glm::dvec3 sample_color(const Stage& stage, const RandomSource& numbers, std::uint32_t x, std::uint32_t y,
+glm::dvec3 sample_color(const PreparedScene& prepared, const RandomSource& numbers, std::uint32_t x, std::uint32_t y,
                         std::uint32_t frame, SampleRecord* record) {
   if (record != nullptr) *record = {};
-  PathTracer tracer(stage, numbers, {x, y, frame, 1, 0}, record);
+  PathTracer tracer(prepared, numbers, {x, y, frame, 1, 0}, record);
   return tracer.color(tracer.primary());
 }
 

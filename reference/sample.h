@@ -13,7 +13,7 @@
 namespace plumbline {
 
 /// A scene at one time, ready for samples.
-struct Stage {
+struct PreparedScene {
   const Scene* scene = nullptr;  ///< with at least one light
   const EmbreeScene* hits = nullptr;
   std::vector<InstanceView> views;
@@ -51,10 +51,10 @@ struct SampleRecord {
 };
 
 /// The colour of the sample of pixel (x, y) in a frame. `record` may be null. Any number of threads may ask at once.
-glm::dvec3 sample_color(const Stage& stage, const RandomSource& numbers, std::uint32_t x, std::uint32_t y,
+glm::dvec3 sample_color(const PreparedScene& prepared, const RandomSource& numbers, std::uint32_t x, std::uint32_t y,
                         std::uint32_t frame, SampleRecord* record = nullptr);
 
 /// What a ray hits first, the ground included; SEMANTICS 6.8.
-ReferenceHit first_hit(const Stage& stage, const Ray& ray);
+ReferenceHit first_hit(const PreparedScene& prepared, const Ray& ray);
 
 }  // namespace plumbline
