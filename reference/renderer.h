@@ -15,9 +15,9 @@ struct ReferenceSettings {
   int width = 0, height = 0;  ///< pixels; 0: the scene camera's
   std::uint32_t frames = 1;   ///< samples of each pixel, at least 1
   std::uint32_t first_frame = 0;
-  std::uint64_t seed = 0;          ///< of the renderer's own numbers
-  double time = 0.0;               ///< of the picture, seconds
-  std::optional<Effects> effects;  ///< instead of the scene's
+  std::uint64_t seed = 0;               ///< of the renderer's own numbers
+  double time = 0.0;                    ///< of the picture, seconds
+  std::optional<Effects> effects = {};  ///< instead of the scene's
 };
 
 /// A picture, row by row from the top. The sharp ray's values are those of SEMANTICS 6.9.
