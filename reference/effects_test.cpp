@@ -12,7 +12,7 @@ using namespace plumbline;
 
 namespace {
 
-constexpr std::uint32_t kSamples = 40000;
+constexpr std::uint32_t kSamples = 200000;
 
 /// The share of samples of a black thing before a white background that are black.
 double black_share(const Scene& scene, std::uint32_t samples = kSamples) {

@@ -86,6 +86,28 @@ TEST_CASE("A mirror shows what stands in the mirrored direction") {
   CHECK(record.lights == std::vector<LightOutcome>{LightOutcome::below, LightOutcome::lit});
 }
 
+TEST_CASE("A tilted normal neither sends rays below the surface nor takes light from behind itself") {
+  Scene scene = one_pixel_scene({0, 0, 5}, {0, 0, 0});
+  add_level(scene, -1, -1, 1, 1, 0, add_surface(scene, {.name = {}, .specular = 1}));
+  const auto sine = static_cast<float>(std::sqrt(0.75));
+  scene.normals = {{sine, 0, 0.5f}};  // 60 degrees from the vertical
+  for (Triangle& triangle : scene.triangles) triangle.normal = {0, 0, 0};
+  // (0, 0, -1) is mirrored to (sine, 0, -0.5), and from there, at the plane, to (sine, 0, 0.5).
+  scene.materials.push_back({});
+  scene.spheres.push_back({{4 * sine, 0, 2}, 1e-4f, 1});
+  // The second light stands above the surface, but behind the tilted normal.
+  scene.lights = {{{3, 0, 3}}, {{-3, 0, 1}}, {{3, 0, -1}}, {{0, 0, 0}}};
+  SampleRecord record;
+  only_sample(scene, &record);
+  REQUIRE(record.rays.size() == 2);
+  CHECK_FALSE(record.rays[0].reflected_above);
+  CHECK(record.rays[1].primitive == 2);
+  REQUIRE(record.lights.size() == 8);
+  record.lights.resize(4);
+  CHECK(record.lights == std::vector<LightOutcome>{LightOutcome::lit, LightOutcome::averted, LightOutcome::below,
+                                                   LightOutcome::at_light});
+}
+
 TEST_CASE("Refraction goes where Snell says, into a body and out of it") {
   struct Way {
     bool from_above;

@@ -115,6 +115,21 @@ TEST_CASE("Rays start off a sphere by 2^-17 of its numbers across the surface") 
   CHECK(s.offset == Approx(0x1p-17 * 3.5).epsilon(1e-12));
 }
 
+TEST_CASE("Rays start off an instance by what its map makes of its numbers") {
+  Scene scene = one_pixel_scene({0, 0, 5}, {0, 0, 0});
+  add_quad(scene, {glm::vec3{1, -1, -1}, {1, 1, -1}, {1, 1, 1}, {1, -1, 1}}, add_surface(scene, {}));
+  scene.parts.push_back({"wall", 0, 2, 0, 0});
+  Transform shear;  // x' = x + y, y' = y + 5, z' = 2 z + 7
+  shear.linear = glm::mat3(1, 0, 0, 1, 1, 0, 0, 0, 2);
+  shear.translation = {0, 5, 7};
+  scene.nodes.push_back({"sheared", kNone, 0, shear, shear});
+  const Surface s = seen(scene, {{5, 5.25f, 7.25f}, {-1, 0, 0}});
+  CHECK(near(s.position, {1.25, 5.25, 7.25}));
+  CHECK(near(s.facing, glm::normalize(glm::dvec3(1, -1, 0))));
+  // |L| e + |T| = (2, 6, 9), and |L| |L^-1| has the rows (1, 2, 0), (0, 1, 0), (0, 0, 1): E = (14, 6, 9).
+  CHECK(s.offset == Approx(0x1p-17 * std::sqrt(0.5) * 20.0).epsilon(1e-12));
+}
+
 TEST_CASE("The ground is a disc with texture coordinates around its centre") {
   Scene scene = one_pixel_scene({0, 5, 0}, {0, 0, 0}, {0, 0, 1});
   scene.textures.push_back({"", 2, 2, {{1, 0, 0}, {2, 0, 0}, {4, 0, 0}, {8, 0, 0}}});
