@@ -107,6 +107,16 @@ TEST_CASE("Depth of field: an edge is blurred over its circle of confusion, and 
   }
 }
 
+TEST_CASE("The paper's lens has a depth") {
+  // As above with s = 1: px above 1 - (a / F) pz, which flat lenses do not have: (a / F) / 8 of the cube.
+  Scene scene = looking_down(4);
+  scene.camera.aperture = 1.0f;
+  scene.camera.focus = 2.0f;
+  scene.effects.depth_of_field = true;
+  add_level(scene, 0.5f, -10, 10, 10, 1, add_surface(scene, black()));
+  CHECK(share_agrees(black_share(scene), 0.5 / 8.0, kSamples));
+}
+
 TEST_CASE("Glossy reflection: the step of a half plane seen in a perturbed mirror") {
   for (const auto model : {Effects::Model::paper, Effects::Model::physical}) {
     const bool ball = model == Effects::Model::physical;
@@ -147,10 +157,10 @@ TEST_CASE("Motion blur: a bar at constant speed covers a place for its width ove
   add_level(scene, -0.125f, -1, 0.125f, 1, 0, add_surface(scene, black()));
   scene.parts.push_back({"bar", 0, 2, 0, 0});
   scene.nodes.push_back({"bar", kNone, 0, {}, {}});
-  // From x = -0.3 at the picture's time + 0.5 to x = 0.7 one second later.
+  // From x = -0.8 at the picture's time + 0.5 to x = 0.2 one second later.
   Animation animation;
   animation.node = 0;
-  animation.translation = {{2.5, {-0.3, 0, 0}}, {3.5, {0.7, 0, 0}}};
+  animation.translation = {{2.5, {-0.8, 0, 0}}, {3.5, {0.2, 0, 0}}};
   scene.animation.push_back(animation);
   ReferenceSettings settings;
   settings.time = 2.0;
@@ -161,7 +171,7 @@ TEST_CASE("Motion blur: a bar at constant speed covers a place for its width ove
   settings.effects = scene.effects;
   settings.effects->motion_blur = false;
   settings.frames = 1;
-  settings.time = 2.8;  // the bar stands on the axis
+  settings.time = 3.3;  // the bar stands on the axis
   const auto still = ReferenceRenderer(scene, settings).render();
   CHECK(still->mean[0].g == 0.0);
   CHECK(still->instance[0] == 0);

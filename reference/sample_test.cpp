@@ -70,6 +70,20 @@ TEST_CASE("A thing between hides a light, one beyond it or beside it does not, g
   CHECK(only_sample(scene).r == 0.0);
 }
 
+TEST_CASE("The ground hides what lies behind it, and is hidden by what lies before it or in it") {
+  for (const auto& [height, shown] : {std::pair(1.0f, true), std::pair(0.0f, false), std::pair(-1.0f, false)}) {
+    CAPTURE(height);
+    Scene scene = one_pixel_scene({-0.25f, 0.5f, 5}, {-0.25f, 0.5f, 0});
+    scene.ground = {.center = {0, 0, height}, .normal = {0, 0, 1}, .radius = 2};
+    scene.ground.material = add_surface(scene, {});
+    add_level(scene, -1, -2, 1, 1, 0, scene.ground.material);
+    SampleRecord record;
+    only_sample(scene, &record);
+    CHECK((record.rays[0].primitive == scene.primitive_count()) == shown);
+    CHECK(record.rays[0].instance == kNone);
+  }
+}
+
 TEST_CASE("A mirror shows what stands in the mirrored direction") {
   Scene scene = one_pixel_scene({0, 0, 5}, {0, 0, 0});
   const std::uint32_t mirror = add_surface(scene, {.name = {}, .diffuse = 0, .specular = 0.5f}),
@@ -170,5 +184,7 @@ TEST_CASE("The record of a sample follows each reflected ray to its end before t
   std::vector<std::uint32_t> numbers;
   for (const RayEvent& event : record.rays) numbers.push_back(event.ray);
   CHECK(numbers == std::vector<std::uint32_t>{1, 2, 3, 6, 7});
+  CHECK(record.rays[0].from_outside);
+  CHECK_FALSE(record.rays[2].from_outside);
   CHECK(record.lights.size() == 3);  // rays 2 and 7 go into the open
 }
