@@ -15,6 +15,7 @@
 #include "scenes/error.h"
 #include "scenes/generate.h"
 #include "scenes/random.h"
+#include "tracer/verify.h"
 
 namespace plumbline {
 namespace {
@@ -265,21 +266,24 @@ class Bench {
          options_.large ? std::vector<int>{10'000, 100'000, 1'000'000} : std::vector<int>{10'000, 100'000}) {
       options_.progress(base_ + 0.3 * width_, "bake of " + std::to_string(size) + " triangles");
       const Scene scene = generate_scene("grid", size);
-      std::vector<double> seconds, memory;
+      std::vector<double> seconds, memory, verifying;
       const double before = (reset_peak(), peak_megabytes());
       const int rounds = size >= 1'000'000 ? 1 : std::min(options_.rounds, 3);
       double texels = 0.0;
       for (int i = 0; i < rounds; ++i) {
         const auto start = Clock::now();
-        const GeometryImage image = bake(scene, BakeOptions{});
+        const SceneTree tree = build_scene_tree(scene);
+        const GeometryImage image = bake(scene, tree, BakeOptions{});
         seconds.push_back(seconds_since(start));
         memory.push_back(peak_megabytes() - before);
         texels = static_cast<double>(image.texels.size());
+        verifying.push_back(certify(image, &scene, &tree).seconds / seconds.back());
       }
       char exponent[16];
       std::snprintf(exponent, sizeof exponent, "1e%d", size == 10'000 ? 4 : size == 100'000 ? 5 : 6);
       add(std::string("bake_seconds.") + exponent, "s", seconds);
       add(std::string("bake_megabytes.") + exponent, "MB", memory);
+      add(std::string("verify_vs_bake.") + exponent, "ratio", verifying);
       add(std::string("bake_texels.") + exponent, "texels", {texels});
     }
   }

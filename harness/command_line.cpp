@@ -169,6 +169,8 @@ int faults() {
   for (const FaultResult& r : results) {
     std::printf("%-28s %-8s %s\n", r.name.c_str(), r.caught_by.empty() ? "MISSED" : "caught",
                 r.caught_by.empty() ? r.what.c_str() : r.caught_by.c_str());
+    if (r.layer != Layer::none)
+      std::printf("%-28s %-8s layer %s: %s\n", "", "", std::string(name_of(r.layer)).c_str(), r.sentence.c_str());
     all = all && !r.caught_by.empty();
   }
   return all ? 0 : 1;

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 
+#include "harness/explain.h"
 #include "harness/hit_cases.h"
 #include "scenes/error.h"
 #include "scenes/generate.h"
@@ -194,7 +195,7 @@ FaultResult run_fault(Session& session, const Fault& fault, std::uint64_t seed) 
   if (fault.change_image) fault.change_image(image, stage);
   Probe broken(session.context(), image, Traversal::tree, fault.patches);
 
-  FaultResult result{fault.name, fault.what, {}, Verdict::agree};
+  FaultResult result{fault.name, fault.what, {}, Verdict::agree, Layer::none, {}};
   std::vector<Ray> rays(kRays);
   for (const RayFamilyInfo& family : ray_families()) {
     generate_rays_parallel(stage.rays, family.family, seed, 0, rays);
@@ -213,6 +214,14 @@ FaultResult run_fault(Session& session, const Fault& fault, std::uint64_t seed) 
       result.caught_by = group + "." + std::string(family.name) + "." + stage.scene.name + ": " +
                          std::to_string(faulty[v]) + " of " + std::to_string(kRays) + " rays " +
                          std::string(verdict_name(v));
+      for (const JudgedRay& kept : faulty.kept) {
+        if (kept.judgement.verdict != v) continue;
+        Examiner examiner(session, {&stage, &image, &stage.image_of(fault.out), fault.patches, fault.name});
+        const Explanation e = examiner.explain(kept.ray, 20'000);
+        result.layer = e.layer;
+        result.sentence = e.sentence;
+        break;
+      }
       return result;
     }
   }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/layers.h"
 #include "harness/session.h"
 #include "tracer/shader_source.h"
 
@@ -29,6 +30,8 @@ struct FaultResult {
   std::string name, what;
   std::string caught_by;             ///< "hits.chords: 12 of 65536 rays tracer_wrong"; empty: nothing caught it
   Verdict verdict = Verdict::agree;  ///< the failing verdict that told of it
+  Layer layer = Layer::none;         ///< of the first ray that failed, as its explanation names it
+  std::string sentence;              ///< where that ray was lost
 };
 
 /// Seeds one fault and runs the ray families against it until one fails. With an unchanged tracer the same rays pass:

@@ -13,6 +13,7 @@
 #include "harness/catalogue.h"
 #include "harness/clock.h"
 #include "harness/exact_view.h"
+#include "harness/explained_cases.h"
 #include "scenes/error.h"
 
 namespace plumbline {
@@ -92,24 +93,6 @@ bool is_skipped(const Stage& stage, CaseRecord& record) {
   return true;
 }
 
-void name_layers(Session& session, const Stage& stage, Tally& tally) {
-  std::vector<JudgedRay*> failing;
-  for (JudgedRay& kept : tally.kept)
-    if (is_failure(kept.judgement.verdict)) failing.push_back(&kept);
-  if (failing.empty()) return;
-  std::vector<Ray> rays;
-  for (const JudgedRay* f : failing) rays.push_back(f->ray);
-  std::vector<Hit> hits(rays.size());
-  session.brute_force(stage).trace(rays, hits);
-  for (std::size_t i = 0; i < failing.size(); ++i) {
-    JudgedRay& f = *failing[i];
-    const bool same = is_same(answer_of(hits[i]), answer_of(f.tracer));
-    f.judgement.reason += same
-                              ? " Brute force over all primitives answers the same: the arithmetic lost it."
-                              : " Brute force over all primitives answers " + describe(hits[i]) + ": the tree lost it.";
-  }
-}
-
 std::string ray_argument(const Ray& ray) {
   return hex_vector(ray.origin) + "," + hex_vector(ray.direction) + "," + hex_float(ray.t_max);
 }
@@ -138,6 +121,8 @@ void record_tally(const Tally& tally, const std::string& spec, CaseRecord& recor
     r.reason = kept.judgement.reason;
     r.margin = kept.judgement.margin;
     r.bound = kept.judgement.bound;
+    r.layer = kept.layer;
+    r.explanation = kept.explanation;
     r.replay = "./plumbline explain " + quoted(spec) + " --ray=" + ray_argument(kept.ray);
     record.worst.push_back(std::move(r));
   }
@@ -207,6 +192,7 @@ void conclude(const Tally& tally, std::uint64_t budget, CaseRecord& record) {
   if (tally[Verdict::grazing] > budget)
     complain(std::to_string(tally[Verdict::grazing]) + " rays grazing, over the budget of " + std::to_string(budget));
   record.message = message;
+  count_layers(record);
 }
 
 std::vector<Case> hit_cases(const ListedScene& scene, std::uint64_t rays) {
@@ -227,7 +213,7 @@ std::vector<Case> hit_cases(const ListedScene& scene, std::uint64_t rays) {
       const std::uint64_t seed = case_seed(context.seed, self.name);
       Tally tally = compare_family(context, stage, stage.judge, context.session.probe(stage), stage.embree, id, seed,
                                    self.rays, record);
-      name_layers(context.session, stage, tally);
+      explain_failing(context, examined_of(stage), self.name, "./plumbline explain " + quoted(self.spec), tally);
       record_tally(tally, self.spec, record);
       conclude(tally, grazing_budget(stage, id, self.rays), record);
     };
@@ -256,8 +242,9 @@ Case embree_spheres_case(const ListedScene& scene, std::uint64_t rays) {
     }
     const EmbreeScene other(stage.scene, SphereMode::embree);
     const std::uint64_t seed = case_seed(context.seed, self.name);
-    const Tally tally = compare_family(context, stage, stage.judge, context.session.probe(stage), other,
-                                       RayFamily::chords, seed, self.rays, record);
+    Tally tally = compare_family(context, stage, stage.judge, context.session.probe(stage), other, RayFamily::chords,
+                                 seed, self.rays, record);
+    explain_failing(context, examined_of(stage), self.name, "./plumbline explain " + quoted(self.spec), tally);
     record_tally(tally, self.spec, record);
     conclude(tally, self.rays, record);
   };

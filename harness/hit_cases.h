@@ -43,9 +43,6 @@ bool same_bits(const Hit& a, const Hit& b);
 /// Marks the case as skipped where there is nothing to trace.
 bool is_skipped(const Stage& stage, CaseRecord& record);
 
-/// Adds to the reason of each failing ray which layer lost it: the tree, or the arithmetic.
-void name_layers(Session& session, const Stage& stage, Tally& tally);
-
 /// How many rays of a case may be grazing: derived from the scene for random families, all of them where rays are aimed
 /// at rounding.
 std::uint64_t grazing_budget(const Stage& stage, RayFamily family, std::uint64_t rays);

@@ -166,10 +166,10 @@ void add_inspect_command(CLI::App& app, Commands& commands) {
       ->check(CLI::Range(std::size_t{0}, std::size_t{1000}))
       ->capture_default_str();
   sub->add_option("--lines", a->lines, "Random lines through the scene's ball")
-      ->check(CLI::Range(std::size_t{1}, std::size_t{100'000'000}))
+      ->check(CLI::Range(std::size_t{1}, std::size_t{10'000'000}))
       ->capture_default_str();
   sub->add_option("--camera-width", a->width, "Pixels in a row of the camera's picture")
-      ->check(CLI::Range(16, 4096))
+      ->check(CLI::Range(16, 1024))
       ->capture_default_str();
   sub->add_option("--seed", a->seed, "Seed of the random lines")->capture_default_str();
   sub->add_option("--out", a->out, "Folder for inspect.html, inspect.json and pictures; none if not given");

@@ -10,7 +10,16 @@
 namespace plumbline {
 namespace {
 
-constexpr int kSide = 768;  ///< of the picture of an image, pixels, about
+constexpr int kMostSide = 1024;     ///< of the picture of a large image, in pixels
+constexpr int kZoomedWidth = 2048;  ///< of that of a small one
+constexpr int kLeastRows = 8;
+
+/// Rows up to the last that holds something, whole blocks of them.
+int used_rows(const GeometryImage& image, std::span<const TexelKind> kinds, int block) {
+  const auto last = std::find_if(kinds.rbegin(), kinds.rend(), [](TexelKind k) { return k != TexelKind::unused; });
+  const int rows = static_cast<int>((kinds.rend() - last + image.width - 1) / image.width);
+  return std::min(image.height, (std::max(rows, kLeastRows) + block - 1) / block * block);
+}
 
 /// The kind that most texels of a block have; of kinds that as many have, the first.
 TexelKind kind_of_block(std::span<const TexelKind> kinds, int width, int x, int y, int side) {
@@ -28,10 +37,11 @@ void paint_image(const InspectTask& task, std::span<const TexelKind> kinds, std:
   const GeometryImage& image = *task.image;
   // Sides are powers of two, and so are blocks.
   int block = 1;
-  while (image.width / block > kSide || image.height / block > kSide) block *= 2;
+  while (image.width / block > kMostSide || image.height / block > kMostSide) block *= 2;
   block = std::min({block, image.width, image.height});
-  const int columns = image.width / block, rows = image.height / block;
-  const int zoom = std::max(1, kSide / std::max(columns, rows));
+  const int shown = used_rows(image, kinds, block);
+  const int columns = image.width / block, rows = shown / block;
+  const int zoom = std::max(1, kZoomedWidth / std::max(columns, rows));
   std::array<Rgb, kTexelKinds> colors;
   Picture picture;
   const auto counts = count_kinds(kinds);
@@ -53,12 +63,14 @@ void paint_image(const InspectTask& task, std::span<const TexelKind> kinds, std:
                          static_cast<std::size_t>(px)] = is_line ? shaded(colors[kind], 0.7f) : colors[kind];
         }
     }
+  const std::string left_out =
+      shown < image.height ? " Rows from " + std::to_string(shown) + " on hold nothing and are left out." : "";
   const std::string scale = block > 1
                                 ? "Each pixel stands for " + std::to_string(block) + " x " + std::to_string(block) +
                                       " texels, in the colour of what most of them are."
                                 : "Each texel is " + std::to_string(zoom) + " x " + std::to_string(zoom) + " pixels.";
-  pictures.push_back(
-      save_picture(picture, task.out, task.stem + ".image", "The geometry image", "Texels by what they are. " + scale));
+  pictures.push_back(save_picture(picture, task.out, task.stem + ".image", "The geometry image",
+                                  "Texels by what they are. " + scale + left_out));
 }
 
 void paint_rays(const InspectTask& task, const InspectedImage& inspected, std::span<const Ray> rays,

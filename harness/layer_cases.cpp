@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "harness/catalogue.h"
+#include "harness/explained_cases.h"
 #include "harness/hit_cases.h"
 #include "scenes/error.h"
 
@@ -74,6 +75,8 @@ Case brute_force_case(const ListedScene& scene, std::uint64_t tests) {
     context.session.probe(stage).trace(rays, tree);
     context.session.brute_force(stage).trace(rays, brute);
     record_differences(rays, tree, brute, "brute force", self.spec, record);
+    explain_failing(context, examined_of(stage), record, 0);
+    count_layers(record);
   };
   return c;
 }
@@ -97,9 +100,12 @@ Case variants_case(const ListedScene& scene, std::uint64_t per_family) {
       const GeometryImage image = bake(stage.scene, trees.of(variants[i].options), variants[i].options);
       Probe& probe = context.session.probe(image);
       probe.trace(rays, hits);
+      const std::size_t before = record.worst.size();
       record_differences(rays, hits, standard, "the default variant, as " + variants[i].name, self.spec, record);
+      explain_failing(context, {&stage, &image, &image, {}, "variant " + variants[i].name}, record, before);
       context.progress(static_cast<double>(i + 1) / static_cast<double>(variants.size()));
     }
+    count_layers(record);
     record.figures.push_back({"variants", "", static_cast<double>(variants.size())});
   };
   return c;

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "harness/catalogue.h"
+#include "harness/explained_cases.h"
 #include "harness/hit_cases.h"
 #include "reports/picture.h"
 #include "scenes/camera.h"
@@ -61,7 +62,7 @@ Case picture_case(const ListedScene& scene) {
     Tally tally;
     std::vector<Verdict> judged(rays.size());
     judge_batch(stage.judge, rays, buffers.tracer, buffers.reference, 0, seed, 1024, tally, judged);
-    name_layers(context.session, stage, tally);
+    explain_failing(context, examined_of(stage), self.name, "./plumbline explain " + quoted(self.spec), tally);
     record_tally(tally, self.spec, record);
     conclude(tally, rays.size(), record);
 

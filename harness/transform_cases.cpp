@@ -6,6 +6,7 @@
 
 #include "harness/catalogue.h"
 #include "harness/exact_view.h"
+#include "harness/explained_cases.h"
 #include "harness/hit_cases.h"
 #include "harness/transform_cases.h"
 #include "reference/geometry.h"
@@ -77,7 +78,8 @@ Case family_case(const ListedScene& scene, TransformOut out, RayFamily family, s
     const Judge judge = stage.judge_of(out);
     Probe& probe = context.session.probe(stage, out);
     Tally tally = compare_family(context, stage, judge, probe, stage.embree, family, seed, self.rays, record);
-    name_layers(context.session, stage, tally);
+    explain_failing(context, examined_of(stage, out), self.name,
+                    "./plumbline explain " + quoted(self.spec) + " --transform-out " + name_of(out), tally);
     record_tally(tally, self.spec, record);
     if (out != BakeOptions{}.transform_out)
       for (RayRecord& r : record.worst)

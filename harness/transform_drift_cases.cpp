@@ -7,6 +7,7 @@
 #include <glm/gtc/quaternion.hpp>
 
 #include "harness/catalogue.h"
+#include "harness/explained_cases.h"
 #include "harness/hit_cases.h"
 #include "reference/exact_values.h"
 #include "reports/files.h"
@@ -227,7 +228,7 @@ Case bunnies_case(std::uint64_t per_family) {
     record.figures.push_back({"triangles seen", "1", static_cast<double>(placed_count(stage.scene))});
     record.figures.push_back({"triangles held", "1", static_cast<double>(stage.scene.triangles.size())});
     record.figures.push_back({"image", "texels", static_cast<double>(stage.image.texels.size())});
-    name_layers(context.session, stage, tally);
+    explain_failing(context, examined_of(stage), self.name, "./plumbline explain " + quoted(stage.spec), tally);
     record_tally(tally, stage.spec, record);
     conclude(tally, tally.rays(), record);
   };

@@ -7,6 +7,7 @@
 #include <glm/gtc/quaternion.hpp>
 
 #include "harness/catalogue.h"
+#include "harness/explained_cases.h"
 #include "harness/hit_cases.h"
 #include "harness/transform_cases.h"
 #include "scenes/error.h"
@@ -39,7 +40,7 @@ struct Moving {
 /// Holds what was kept up to date against a stage that is built anew: the image texel for texel, and rays of all
 /// families ray by ray.
 void examine(CaseContext& context, Moving& moving, const std::string& spec, const std::string& when, std::uint64_t seed,
-             std::size_t per_family, Tally& tally, CaseRecord& record) {
+             std::size_t per_family, const std::string& replay, Tally& tally, CaseRecord& record) {
   const Stage& anew = context.session.stage(spec, moving.scene);
   const auto complain = [&](const std::string& what) {
     record.status = CaseStatus::failed;
@@ -55,6 +56,9 @@ void examine(CaseContext& context, Moving& moving, const std::string& spec, cons
   const std::uint64_t first = tally.rays();
   trace_and_judge(anew.judge, moving.probe, anew.embree, rays, first, seed, buffers, tally);
   record.trace_seconds += buffers.trace_seconds;
+  // As long as the stage is there; what fails in a later one is explained then.
+  explain_failing(context, {&anew, &moving.image, &anew.image, {}, "kept up to date, " + when}, record.name, replay,
+                  tally);
 }
 
 /// record_tally and conclude, with what the case itself has complained of.
@@ -115,7 +119,8 @@ Case frames_case(const ListedScene& scene, std::uint64_t per_family) {
       std::snprintf(at, sizeof at, "%.17g", time);
       times.push_back(at);
       examine(context, moving, self.spec + " at " + at, "at " + times.back() + " s",
-              case_seed(context.seed, self.name) + static_cast<std::uint64_t>(i), per_family, tally, record);
+              case_seed(context.seed, self.name) + static_cast<std::uint64_t>(i), per_family,
+              "./plumbline explain " + quoted(self.spec) + " --time " + at, tally, record);
       context.progress(static_cast<double>(i + 1) / kFrames);
     }
     record.figures.push_back({"frames", "1", kFrames});
@@ -169,7 +174,8 @@ Case updates_case(const ListedScene& scene, std::uint64_t per_family) {
     record.figures.push_back(
         {"texels uploaded per update", "texels", static_cast<double>(moving.uploaded) / std::max(1, done)});
     Tally tally;
-    examine(context, moving, self.spec + " (moved)", "after a thousand updates", seed, per_family, tally, record);
+    examine(context, moving, self.spec + " (moved)", "after a thousand updates", seed, per_family, record.replay, tally,
+            record);
     finish(tally, self.spec, record);
     // The rays belong to the moved scene, which no file holds: the case itself repeats them.
     for (RayRecord& r : record.worst) r.replay = record.replay;

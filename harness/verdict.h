@@ -63,6 +63,8 @@ struct JudgedRay {
   Hit tracer;
   ReferenceHit reference;
   Judgement judgement;
+  std::string layer{};        ///< of a failing ray, once it was explained (layers.h)
+  std::string explanation{};  ///< the page that explains it, relative to the run's folder; empty: none
 };
 
 /// Verdicts of a batch or of a whole case.

@@ -66,6 +66,10 @@ RayRecord example_ray(const std::string& verdict, const std::string& scene, Rand
   } else {
     ray.reason = "Exact arithmetic finds primitive " + std::to_string(near) + " at the least t.";
   }
+  if (verdict == "leak" || verdict == "tracer_wrong") {
+    ray.layer = verdict == "leak" ? "primitive arithmetic" : "bounds";
+    ray.explanation = "explanations/" + scene + "-" + std::to_string(ray.index) + ".html";
+  }
   ray.replay = "plumbline explain " + scene + " --ray " + ray.origin + "," + ray.direction;
   return ray;
 }

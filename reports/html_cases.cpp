@@ -27,22 +27,6 @@ std::string base64(std::string_view bytes) {
   return out;
 }
 
-/// A relative address: everything that has a meaning in one is encoded, so that a strange file name stays a file name.
-std::string address_of(std::string_view path) {
-  constexpr std::string_view kHex = "0123456789ABCDEF";
-  std::string out;
-  for (const char c : path) {
-    const auto byte = static_cast<unsigned char>(c);
-    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' ||
-                       c == '_' || c == '-' || c == '/';
-    if (plain)
-      out += c;
-    else
-      out += {'%', kHex[byte >> 4], kHex[byte & 15u]};
-  }
-  return out;
-}
-
 std::string source_of(const PictureRecord& picture, const std::filesystem::path& folder, bool embed) {
   if (embed) {
     try {
@@ -159,6 +143,21 @@ std::string case_html(const CaseRecord& record, const std::string& id, const std
 }
 
 }  // namespace
+
+std::string address_of(std::string_view path) {
+  constexpr std::string_view kHex = "0123456789ABCDEF";
+  std::string out;
+  for (const char c : path) {
+    const auto byte = static_cast<unsigned char>(c);
+    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' ||
+                       c == '_' || c == '-' || c == '/';
+    if (plain)
+      out += c;
+    else
+      out += {'%', kHex[byte >> 4], kHex[byte & 15u]};
+  }
+  return out;
+}
 
 std::vector<std::string> case_ids(const RunRecord& run) {
   std::vector<std::string> ids;

@@ -34,6 +34,11 @@ std::string framed_table(const std::string& label, const std::string& caption, c
 /// A command in a box that the page's script gives a copy button.
 std::string command_box(std::string_view command);
 
+/// A relative address: everything that has a meaning in one is encoded, so that a strange file name stays a file name.
+std::string address_of(std::string_view path);
+/// JSON that may stand inside a script element.
+std::string inside_script(std::string_view json);
+
 std::string overview(const RunRecord& run, const std::vector<std::string>& ids, const ReportOptions& options);
 std::string matrix(const RunRecord& run, const std::vector<std::string>& ids);
 std::string verdict_tables(const RunRecord& run);

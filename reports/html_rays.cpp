@@ -39,11 +39,12 @@ std::string fields_of(const RayRecord& ray) {
   replace_first(replay, origin, '\2');
   replace_first(replay, direction, '\3');
   std::string out;
-  for (const std::string& field : {line_of(ray.verdict), std::to_string(ray.index), origin, direction,
-                                   line_of(ray.t_max), line_of(ray.tracer), line_of(ray.reference), line_of(ray.exact),
-                                   line_of(ray.reason), number_text(ray.margin), number_text(ray.bound)})
+  for (const std::string& field :
+       {line_of(ray.verdict), std::to_string(ray.index), origin, direction, line_of(ray.t_max), line_of(ray.tracer),
+        line_of(ray.reference), line_of(ray.exact), line_of(ray.reason), number_text(ray.margin),
+        number_text(ray.bound), replay, line_of(ray.layer)})
     out += field + "\n";
-  return out + replay;
+  return out + address_of(line_of(ray.explanation));
 }
 
 /// Cuts every word that has a digit out of `text` into `numbers`.
@@ -79,6 +80,18 @@ std::string cut_numbers(std::string_view text, std::string& numbers) {
 
 }  // namespace
 
+std::string inside_script(std::string_view json) {
+  // "</script" and "<!--" must not appear inside a script element; in JSON a '<' only occurs within strings.
+  std::string safe;
+  for (const char c : json) {
+    if (c == '<')
+      safe += "\\u003c";
+    else
+      safe += c;
+  }
+  return safe;
+}
+
 std::string packed_rays(const RunRecord& run, const std::vector<std::string>& ids) {
   nlohmann::ordered_json case_ids = nlohmann::ordered_json::array(), names = case_ids, texts = case_ids,
                          rays = case_ids;
@@ -98,15 +111,7 @@ std::string packed_rays(const RunRecord& run, const std::vector<std::string>& id
   }
   const std::string json =
       nlohmann::ordered_json{{"ids", case_ids}, {"names", names}, {"texts", texts}, {"rays", rays}}.dump();
-  // "</script" and "<!--" must not appear inside a script element; in JSON a '<' only occurs within strings.
-  std::string safe;
-  for (const char c : json) {
-    if (c == '<')
-      safe += "\\u003c";
-    else
-      safe += c;
-  }
-  return safe;
+  return inside_script(json);
 }
 
 }  // namespace plumbline::page

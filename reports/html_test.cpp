@@ -58,7 +58,7 @@ std::vector<std::vector<std::string>> unpacked(const RunRecord& run) {
         fields.back() += c;
     }
     for (const auto& [mark, value] : {std::pair{'\2', fields.at(2)}, std::pair{'\3', fields.at(3)}})
-      if (const auto at = fields.back().find(mark); at != std::string::npos) fields.back().replace(at, 1, value);
+      if (const auto at = fields[11].find(mark); at != std::string::npos) fields[11].replace(at, 1, value);
     fields.insert(fields.begin(), data["names"][packed[0].get<std::size_t>()].get<std::string>());
     rays.push_back(fields);
   }
@@ -143,7 +143,7 @@ TEST_CASE("html: packed rays are the rays") {
   for (const CaseRecord& record : run.cases) {
     for (const RayRecord& ray : record.worst) {
       const auto& fields = rays.at(next++);
-      REQUIRE(fields.size() == 13);
+      REQUIRE(fields.size() == 15);
       CHECK(fields[0] == record.name);
       CHECK(fields[1] == ray.verdict);
       CHECK(fields[2] == std::to_string(ray.index));
@@ -152,6 +152,8 @@ TEST_CASE("html: packed rays are the rays") {
       CHECK(fields[6] == ray.tracer);
       CHECK(fields[9] == ray.reason);
       CHECK(fields[12] == ray.replay);
+      CHECK(fields[13] == ray.layer);
+      CHECK(fields[14] == ray.explanation);
     }
   }
   CHECK(next == rays.size());

@@ -333,8 +333,9 @@ std::string pictures(const InspectRecord& record) {
     if (bake.pictures.empty()) continue;
     html += "<h3>" + html_escape(bake.name) + "</h3><div class=\"pictures\">";
     for (const PictureRecord& p : bake.pictures) {
-      html += "<figure><a href=\"" + html_escape(p.path) + "\"><img loading=\"lazy\" src=\"" + html_escape(p.path) +
-              "\" alt=\"" + html_escape(p.title) + "\" width=\"" + std::to_string(p.width) + "\" height=\"" +
+      html += std::string("<figure") + (p.width > 2 * p.height ? " class=\"wide\"" : "") + "><a href=\"" +
+              html_escape(p.path) + "\"><img loading=\"lazy\" src=\"" + html_escape(p.path) + "\" alt=\"" +
+              html_escape(p.title) + "\" width=\"" + std::to_string(p.width) + "\" height=\"" +
               std::to_string(p.height) + "\"></a><figcaption><b>" + html_escape(p.title) + "</b> " +
               html_escape(p.caption);
       if (!p.scale.colors.empty()) {

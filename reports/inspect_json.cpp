@@ -35,6 +35,7 @@ Json to_json(const InspectedNodeRecord& n) {
                {"children", n.children},
                {"leaf", n.is_leaf},
                {"transform", number_or_null(n.transform)},
+               {"behind", number_or_null(n.behind)},
                {"primitives", n.primitives},
                {"center", n.center},
                {"radius", number(n.radius)},
@@ -45,6 +46,7 @@ Json to_json(const InspectedNodeRecord& n) {
                {"hits", n.hits},
                {"primitive_tests", n.tests},
                {"cost", number(n.cost)}};
+  if (n.half[0] > 0.0 || n.half[1] > 0.0 || n.half[2] > 0.0) json["half"] = n.half;
   if (std::isfinite(n.other_visits)) json["other_visits"] = n.other_visits;
   return json;
 }
@@ -105,6 +107,7 @@ Json to_json(const InspectedBake& b) {
           {"options", options},
           {"width", b.width},
           {"height", b.height},
+          {"unit", number(b.unit)},
           {"fault_count", b.fault_count},
           {"nodes", b.nodes},
           {"leaves", b.leaves},

@@ -124,8 +124,9 @@ TEST_CASE("inspect report: two images stand side by side, with what the second h
   InspectRecord record = example(2);
   record.bakes[1].nodes = 6;
   const std::string text = inspect_text(record);
-  CHECK_THAT(text,
-             Contains("nodes                             3                         6                         x 2\n"));
+  CHECK_THAT(
+      text,
+      Contains("  nodes                         3                             6                             x 2\n"));
   CHECK_THAT(text, Contains("./plumbline explain x"));
   for (std::size_t at = 0, end; (end = text.find('\n', at)) != std::string::npos; at = end + 1) CHECK(end - at <= 100);
   CHECK_THAT(inspect_html(record), Contains("second takes 1 times the steps of first"));

@@ -16,7 +16,15 @@ std::string right(const std::string& text, std::size_t width) {
   return std::string(text.size() < width ? width - text.size() : 1, ' ') + text;
 }
 
-constexpr std::size_t kName = 34, kValue = 26;
+constexpr std::size_t kName = 30, kValue = 30;  // two values and a ratio: 100 characters
+
+/// At most three digits behind the point, so that two spreads stand in a line.
+std::string shortened(double value) {
+  std::string text = fixed(value, std::abs(value) >= 10.0 ? 1 : 3);
+  text.resize(text.find_last_not_of('0') + 1);
+  if (text.ends_with('.')) text.pop_back();
+  return text;
+}
 
 /// Lines of a name and a value for each image; with two, what the second has over the first.
 class Lines {
@@ -32,7 +40,7 @@ class Lines {
       values.push_back(static_cast<double>(v));
       line += padded((std::isfinite(values.back()) ? shown(v) : "-") + unit, kValue);
     }
-    if (values.size() == 2 && values[0] > 0.0) line += "x " + value_text(values[1] / values[0]);
+    if (values.size() == 2 && values[0] > 0.0) line += "x " + shortened(values[1] / values[0]);
     add(line);
   }
   template <class Words>
@@ -55,7 +63,7 @@ class Lines {
 
 std::string spread(const SpreadRecord& s) {
   if (s.count == 0) return "-";
-  return value_text(s.mean) + " / " + value_text(s.median) + " / " + value_text(s.p99) + " / " + value_text(s.max);
+  return shortened(s.median) + " / " + shortened(s.p99) + " / " + shortened(s.max);
 }
 
 void add_costliest(const InspectedBake& bake, std::string& text) {
@@ -95,24 +103,26 @@ std::string inspect_text(const InspectRecord& record) {
   lines.figure("primitives stored", [](Bake b) { return b.primitives; });
   lines.figure("depth", [](Bake b) { return b.depth; });
   lines.figure("regions", [](Bake b) { return std::uint64_t{b.regions.size()}; });
-  lines.words("slack, mean/median/p99/max", [](Bake b) { return spread(b.slack); });
-  lines.words("overlap, mean/median/p99/max", [](Bake b) { return spread(b.overlap); });
+  lines.words("slack: median / p99 / max", [](Bake b) { return spread(b.slack); });
+  lines.words("overlap: median / p99 / max", [](Bake b) { return spread(b.overlap); });
   lines.figure("overlap at a node that is hit", [](Bake b) { return b.overlap_met; });
   if (!record.bakes.empty())
     for (std::size_t i = 0; i < record.bakes[0].memory.size(); ++i)
-      lines.figure("texels: " + record.bakes[0].memory[i].name,
-                   [i](Bake b) { return i < b.memory.size() ? b.memory[i].count : 0; });
+      if (std::any_of(record.bakes.begin(), record.bakes.end(),
+                      [i](Bake b) { return i < b.memory.size() && b.memory[i].count > 0; }))
+        lines.figure("texels: " + record.bakes[0].memory[i].name,
+                     [i](Bake b) { return i < b.memory.size() ? b.memory[i].count : 0; });
   lines.figure("r^2 cost: steps of a line", [](Bake b) { return b.expected_steps; });
   lines.figure("r^2 cost: primitive tests", [](Bake b) { return b.expected_tests; });
   if (!record.bakes.empty())
     for (std::size_t i = 0; i < record.bakes[0].rays.size(); ++i) {
       const std::string name = record.bakes[0].rays[i].name;
       lines.figure(name + ": steps, mean", [i](Bake b) { return b.rays.at(i).steps.mean; });
-      lines.words("  mean/median/p99/max", [i](Bake b) { return spread(b.rays.at(i).steps); });
+      lines.words("  median / p99 / max", [i](Bake b) { return spread(b.rays.at(i).steps); });
       lines.figure(name + ": tests, mean", [i](Bake b) { return b.rays.at(i).tests.mean; });
-      lines.words("  mean/median/p99/max", [i](Bake b) { return spread(b.rays.at(i).tests); });
+      lines.words("  median / p99 / max", [i](Bake b) { return spread(b.rays.at(i).tests); });
     }
-  lines.words("seconds: bake, statistics, rays", [](Bake b) {
+  lines.words("seconds: bake, tree, rays", [](Bake b) {
     return (b.bake_seconds > 0.0 ? fixed(b.bake_seconds, 2) : "-") + ", " + fixed(b.statistics_seconds, 2) + ", " +
            fixed(b.trace_seconds, 2);
   });

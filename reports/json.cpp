@@ -34,10 +34,13 @@ Json to_json(const VerdictCounts& counts) {
 }
 
 Json to_json(const RayRecord& ray) {
-  return {{"verdict", ray.verdict},       {"index", ray.index},         {"origin", ray.origin},
-          {"direction", ray.direction},   {"t_max", ray.t_max},         {"tracer", ray.tracer},
-          {"reference", ray.reference},   {"exact", ray.exact},         {"reason", ray.reason},
-          {"margin", number(ray.margin)}, {"bound", number(ray.bound)}, {"replay", ray.replay}};
+  Json out = {{"verdict", ray.verdict},       {"index", ray.index},         {"origin", ray.origin},
+              {"direction", ray.direction},   {"t_max", ray.t_max},         {"tracer", ray.tracer},
+              {"reference", ray.reference},   {"exact", ray.exact},         {"reason", ray.reason},
+              {"margin", number(ray.margin)}, {"bound", number(ray.bound)}, {"replay", ray.replay}};
+  if (!ray.layer.empty()) out["layer"] = ray.layer;
+  if (!ray.explanation.empty()) out["explanation"] = ray.explanation;
+  return out;
 }
 
 Json to_json(const PictureRecord& picture) {
@@ -214,6 +217,9 @@ RayRecord ray_of(const Node& node) {
   ray.margin = node["margin"].real();
   ray.bound = node["bound"].real();
   ray.replay = node["replay"].text();
+  // Runs of before they were there lack them.
+  if (node.has("layer")) ray.layer = node["layer"].text();
+  if (node.has("explanation")) ray.explanation = node["explanation"].text();
   return ray;
 }
 

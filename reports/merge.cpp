@@ -64,9 +64,13 @@ RunRecord merge_reports(const std::vector<fs::path>& folders, const fs::path& ou
   const RunRecord run = merge_runs(parts);
   for (std::size_t i = 0; i < parts.size(); ++i) {
     for (const CaseRecord& record : parts[i].cases) {
-      for (const PictureRecord& picture : record.pictures) {
-        // Only pictures of the run's own folder: a path that leaves it is not followed.
-        const fs::path path = fs::path(picture.path).lexically_normal();
+      std::vector<std::string> files;
+      for (const PictureRecord& picture : record.pictures) files.push_back(picture.path);
+      for (const RayRecord& ray : record.worst)
+        if (!ray.explanation.empty()) files.push_back(ray.explanation);
+      for (const std::string& file : files) {
+        // Only files of the run's own folder: a path that leaves it is not followed.
+        const fs::path path = fs::path(file).lexically_normal();
         std::error_code error;
         if (path.is_absolute() || path.empty() || *path.begin() == ".." ||
             !fs::is_regular_file(folders[i] / path, error))

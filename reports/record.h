@@ -26,6 +26,8 @@ struct RayRecord {
   double margin = 0.0;    ///< grazing rays only: units of the space where the primitive stands
   double bound = 0.0;     ///< likewise
   std::string replay;     ///< the command that repeats this ray
+  std::string layer{};    ///< failing rays: "tree", "links", "bounds", "transform", "primitive arithmetic", "driver"
+  std::string explanation{};  ///< the page that explains it, relative to the run's folder; empty where there is none
 };
 
 /// The colour bar of a picture whose colours are values. `colors` run evenly from `low` to `high`; empty: no bar.

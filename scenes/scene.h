@@ -89,10 +89,10 @@ struct Effects {
 /// the scene's primitives, and no bounding ball holds it.
 struct Ground {
   glm::vec3 center{0.0f};
-  glm::vec3 normal{0.0f, 1.0f, 0.0f};                         ///< of unit length, rounded
+  glm::vec3 normal{0.0f, 1.0f, 0.0f};                             ///< of unit length, rounded
   glm::vec3 u_axis{1.0f, 0.0f, 0.0f}, v_axis{0.0f, 0.0f, -1.0f};  ///< of its texture, of unit length, rounded
-  float radius = 0.0f;                                        ///< 0: there is no ground
-  float texture_size = 1.0f;                                  ///< > 0, side of one repetition of the texture
+  float radius = 0.0f;                                            ///< 0: there is no ground
+  float texture_size = 1.0f;                                      ///< > 0, side of one repetition of the texture
   std::uint32_t material = 0;
 };
 

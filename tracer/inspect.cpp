@@ -24,6 +24,15 @@ double chance_in(const InspectedRegion& region, const Volume& volume) {
   return share >= 0.0 && share <= 1.0 ? share : 1.0;  // a ball of radius 0, NaN: every line
 }
 
+/// How far a volume reaches from a point.
+double reach(const Volume& volume, const glm::dvec3& point) {
+  if (!volume.is_box)
+    return glm::length(glm::dvec3(volume.center) - point) + std::sqrt(static_cast<double>(volume.radius2));
+  const glm::dvec3 lower = glm::abs(glm::dvec3(volume.lower) - point),
+                   upper = glm::abs(glm::dvec3(volume.upper) - point);
+  return glm::length(glm::max(lower, upper));
+}
+
 class Reader {
  public:
   Reader(const Examination& e, InspectedImage& inspected) : e_(e), image_(e.image), out_(inspected) {}
@@ -50,6 +59,9 @@ class Reader {
     if (!view.from.empty()) {
       const glm::vec4& ball = record_texel(image_, view.from[0], 6);
       region.center = glm::dvec3(glm::vec3(ball)), region.radius = ball.w;
+      // The record's ball is tight around what may be hit; bounding volumes reach farther.
+      for (std::uint32_t i = 0; i < region.node_count; i = copy.nodes[i].end)
+        region.radius = std::max(region.radius, reach(volume_at(image_, node_unit(e_, copy, i)), region.center));
     }
     for (std::size_t c = 1; c < view.copies.size(); ++c) {
       std::vector<std::uint32_t> twins = twins_of(copy, view.copies[c]);
@@ -144,13 +156,6 @@ InspectedImage inspect_image(const GeometryImage& image, int threads) {
     throw InputError("the geometry image of " + image.scene_name +
                      " cannot be taken apart: " + (inspected.faults.empty() ? "it is empty" : inspected.faults[0]));
   return inspected;
-}
-
-std::vector<std::uint32_t> ancestors_of(const InspectedImage& inspected, std::uint32_t node) {
-  std::vector<std::uint32_t> chain;
-  for (std::uint32_t i = node; i != kNone; i = inspected.nodes[i].parent) chain.push_back(i);
-  std::reverse(chain.begin(), chain.end());
-  return chain;
 }
 
 }  // namespace plumbline

@@ -40,7 +40,7 @@ struct InspectedRegion {
   std::uint32_t start = 0, copy_size = 0;  ///< units
   std::uint32_t first_node = 0, node_count = 0;
   std::vector<std::uint32_t> from;  ///< nodes of the scene whose records lead here; empty: the world
-  glm::dvec3 center{0.0};           ///< of the ball that random lines of its space pass through
+  glm::dvec3 center{0.0};  ///< of the ball that random lines of its space pass through; it holds all volumes there
   double radius = 0.0;
   /// For each copy but the first: of each node here the unit of its twin there, kNone where there is none.
   std::vector<std::vector<std::uint32_t>> twins;
@@ -62,8 +62,5 @@ struct InspectedImage {
 /// Takes an image apart, whatever it holds. `threads` 0: one per core. Throws InputError where sizes and counts do not
 /// fit one another.
 InspectedImage inspect_image(const GeometryImage& image, int threads = 0);
-
-/// The nodes from a root of the region down to `node`.
-std::vector<std::uint32_t> ancestors_of(const InspectedImage& inspected, std::uint32_t node);
 
 }  // namespace plumbline

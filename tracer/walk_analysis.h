@@ -68,6 +68,7 @@ struct Loss {
   double distance = 0.0, radius = 0.0, shortfall = 0.0;
   std::uint32_t expected_cell = kNone, reached_cell = kNone;  ///< link, way_out; kNone: an end
   std::optional<TestedPrimitive> test;                        ///< primitive, nearer: of the primitive itself
+  std::uint32_t stored = kNone;  ///< leaf, where a sound image was given: the stored primitive whose label is wrong
   /// Where a sound image was given: whether the texels of what is at fault are those of the sound one. Then the image
   /// is not to blame but the arithmetic, the driver or the ray.
   std::optional<bool> as_baked;

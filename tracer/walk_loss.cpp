@@ -39,6 +39,8 @@ class Search {
                           walk_.hit.instance == expected_.instance;
     std::vector<Ancestor> chain;
     Loss loss = follow(chain);
+    if (loss.kind == LossKind::unknown)
+      if (const auto wrong = left_elsewhere()) loss = *wrong;
     if (is_found) loss = of_kind(LossKind::none);
     loss.chain = std::move(chain);
     return loss;
@@ -52,9 +54,27 @@ class Search {
     for (std::size_t i = 0; i < walk_.steps.size(); ++i) {
       const WalkStep& step = walk_.steps[i];
       if (!copy || step.cell < copy->begin || step.cell >= copy->end) return i;
+      if ((step.cell - copy->begin) % node_units(tree_) != 0) return i;  // the middle of a node
       if (!step.changes.empty()) copy = region_copy(tree_, step.changes.back().space, step.changes.back().copy);
     }
     return walk_.steps.size();
+  }
+
+  /// The first transform that was left into another space than the one from which it was entered.
+  std::optional<Loss> left_elsewhere() const {
+    std::vector<std::uint32_t> spaces{kNone};
+    for (std::size_t i = 0; i < walk_.steps.size(); ++i) {
+      for (const SpaceChange& change : walk_.steps[i].changes) {
+        if (change.kind == SpaceChange::Kind::entered || change.kind == SpaceChange::Kind::missed)
+          spaces.push_back(change.node);
+        if (change.kind != SpaceChange::Kind::left) continue;
+        const bool is_inner = spaces.size() > 1 && spaces.back() == change.node;
+        if (!is_inner || change.space != spaces[spaces.size() - 2])
+          return at_transform(LossKind::way_out, i, change.node);
+        spaces.pop_back();
+      }
+    }
+    return std::nullopt;
   }
 
   static std::uint64_t key(std::uint32_t space, std::uint32_t cell) { return std::uint64_t{space} << 32 | cell; }
@@ -197,7 +217,7 @@ class Search {
   /// A node that the walk visited and did not enter.
   Loss rejected(const RegionCopy& copy, const std::vector<Ancestor>& chain, const Ancestor& ancestor) const {
     const WalkStep& step = walk_.steps[ancestor.step];
-    if (step.test == NodeTest::beyond) return at_step(LossKind::nearer, ancestor.step);
+    if (step.test == NodeTest::beyond && !ended_behind()) return at_step(LossKind::nearer, ancestor.step);
     if (step.test == NodeTest::end) {
       Loss loss = at_step(LossKind::link, ancestor.step);
       loss.expected_cell = ancestor.cell;
@@ -230,6 +250,13 @@ class Search {
       if (node.out != kNone) end = std::min(end, node.out);
     }
     return blame_transform(std::move(loss));
+  }
+
+  /// Whether the walk ended in a hit behind the one that was expected, so that no hit it had found before can hide that
+  /// one. 32 bits resolve t to within a few 2^-24 of itself and of the distances that went into it; 2^-16 is what
+  /// volumes are padded by, and more than that.
+  bool ended_behind() const {
+    return walk_.hit.kind == HitKind::hit && static_cast<double>(walk_.hit.t) > expected_.t * (1.0 + 0x1p-16);
   }
 
   bool same_volume(std::uint32_t cell) const {
@@ -400,6 +427,10 @@ class Search {
     if (tested == nullptr) {
       Loss loss = at_step(LossKind::leaf, step);
       if (sound_ != nullptr) loss.as_baked = as_baked_link(walk_.steps[step].cell);
+      if (loss.as_baked.value_or(false)) {
+        loss.stored = wrong_label(walk_.steps[step].cell);
+        loss.as_baked = loss.stored == kNone;
+      }
       return loss;
     }
     const bool lost = tested->outcome != PrimitiveTest::new_nearest && tested->outcome != PrimitiveTest::farther &&
@@ -413,8 +444,20 @@ class Search {
       for (const std::size_t texel : a)
         if (!same_bits(image_.texels[texel], sound_->texels[texel])) loss.as_baked = false;
     }
-    if (lost && loss.as_baked.value_or(true)) return blame_transform(std::move(loss));
+    // What was found at another t than it should be, behind something else, may be a transform's fault, too.
+    if (loss.as_baked.value_or(true)) return blame_transform(std::move(loss));
     return loss;
+  }
+
+  /// The first stored primitive of a leaf's cluster, as the sound image has it, whose label is another; kNone: none.
+  std::uint32_t wrong_label(std::uint32_t cell) const {
+    for (std::uint32_t k = node_cell(*sound_, cell).cluster; k < sound_->primitive_count; ++k) {
+      const float is = texel_at(image_, primitive_unit(image_, k)).w,
+                  should_be = texel_at(*sound_, primitive_unit(*sound_, k)).w;
+      if (std::bit_cast<std::uint32_t>(is) != std::bit_cast<std::uint32_t>(should_be)) return k;
+      if (!(should_be > 0.0f)) break;
+    }
+    return kNone;
   }
 
   const GeometryImage& image_;

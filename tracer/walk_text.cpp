@@ -114,10 +114,12 @@ std::string describe(const Loss& loss, const GeometryImage& image, const Expecte
                        : node + " above " + primitive + " lies behind a hit that was found before";
       return text;
     case LossKind::bounds:
-      text = has_boxes(image) ? "box of " + node + " rejected the ray; " + primitive + " below it" + is_hit +
-                                    "; the box is left " + short_number(loss.shortfall) + " in t before it is entered"
-                              : "sphere of " + node + " rejected the ray; " + primitive + " below it" + is_hit +
-                                    "; the sphere is too small by " + short_number(loss.shortfall);
+      text = has_boxes(image)
+                 ? "box of " + node + " rejected the ray; " + primitive + " below it" + is_hit + "; the box is left " +
+                       short_number(loss.shortfall) + " in t before it is entered"
+                 : "sphere of " + node + " rejected the ray; " + primitive + " below it" + is_hit +
+                       (std::isnan(loss.shortfall) ? "; the test compared a NaN"
+                                                   : "; the sphere is too small by " + short_number(loss.shortfall));
       break;
     case LossKind::link:
       text = loss.transform != kNone
@@ -139,6 +141,10 @@ std::string describe(const Loss& loss, const GeometryImage& image, const Expecte
       break;
     case LossKind::leaf:
       text = "leaf " + node + " was entered, but " + primitive + ", which" + is_hit + ", was not tested there";
+      if (loss.stored != kNone) {
+        const auto unit = static_cast<std::uint32_t>(primitive_unit(image, loss.stored));
+        text += "; the label at " + cell(unit) + " is not the sound one";
+      }
       break;
     case LossKind::primitive:
       text = "the test of " + primitive + " in leaf " + node + " says " + name_of(loss.test->outcome) + "; it" + is_hit;

@@ -58,8 +58,10 @@ function nodeRow(i, level) {
     make('span', { className: 'cell' }, `(${n.x[i]}, ${n.y[i]}) ${kindOf(i)}${n.children[i] && !kids ? ', not kept' : ''}`));
   row.append(name);
   const share = n.visits[i] ? Math.round(100 * n.hits[i] / n.visits[i]) : null;
-  for (const value of [n.radius[i], n.primitives[i], n.visits[i], share, n.cost[i], n.slack[i] || null, n.overlap[i]])
-    row.append(make('span', {}, short(value)));
+  const decimals = value => value === null ? '–' : value.toFixed(3);
+  for (const text of [short(n.radius[i]), short(n.primitives[i]), short(n.visits[i]), short(share), short(n.cost[i]),
+    decimals(n.slack[i] || null), decimals(n.overlap[i])])
+    row.append(make('span', {}, text));
   row.setAttribute('aria-selected', i === chosen);
   rowOf.set(i, row);
   return row;
@@ -201,6 +203,14 @@ function frame() {
   byId('depth').max = deepest;
   setDepth(Math.min(Number(byId('depth').value), deepest));
 }
+// Turns around a volume, which then fills the view; around all of its space where there is none.
+function centre(i) {
+  const n = bake.nodes;
+  if (i < 0 || n.region[i] !== Number(byId('region').value)) frame();
+  else center = [0, 1, 2].map(a => n.center[3 * i + a]), size = n.radius[i] * 1.6 || 1;
+  eye.zoom = 1;
+  redraw();
+}
 function setDepth(depth) {
   byId('depth').value = depth;
   byId('depth-shown').textContent = `${byId('depth').value} of ${byId('depth').max}`;
@@ -216,10 +226,10 @@ function draw() {
     canvas.width = Math.round(w * ratio), canvas.height = Math.round(h * ratio);
   pen.setTransform(ratio, 0, 0, ratio, 0, 0);
   pen.clearRect(0, 0, w, h);
-  const style = getComputedStyle(document.documentElement);
   const n = bake.nodes, r = Number(byId('region').value), depth = Number(byId('depth').value), withLeaves = byId('leaves').checked;
   const [ct, st, cp, sp] = [Math.cos(eye.turn), Math.sin(eye.turn), Math.cos(eye.tilt), Math.sin(eye.tilt)];
-  const distance = 3.2, scale = 0.46 * Math.min(w, h) * eye.zoom * Math.sqrt(distance * distance - 1);
+  const distance = 3.2;  // of the eye, in radii of what fills the view
+  const scale = 0.46 * Math.min(w, h) * eye.zoom * Math.sqrt(distance * distance - 1);
   const project = (x, y, z) => {
     x = (x - center[0]) / size, y = (y - center[1]) / size, z = (z - center[2]) / size;
     const a = ct * x - st * z, b = st * x + ct * z, up = cp * y - sp * b, away = sp * y + cp * b;
@@ -245,11 +255,11 @@ function draw() {
   }
   places.sort((p, q) => q.near - p.near);
   const many = places.length > 400;
-  for (const place of places) drawVolume(place, amount(value.of(place.i)), many, project, style);
+  for (const place of places) drawVolume(place, amount(value.of(place.i)), many, project);
   byId('low').textContent = low <= high ? short(low) : '–';
   byId('high').textContent = low <= high ? short(high) : '–';
   byId('scale').style.background = `linear-gradient(90deg, ${data.colors.join(', ')})`;
-  if (left) { pen.fillStyle = style.getPropertyValue('--soft'); pen.fillStyle = getComputedStyle(canvas).color; pen.fillText(`${left} more are not drawn`, 8, h - 8); }
+  if (left) { pen.fillStyle = getComputedStyle(canvas).color; pen.fillText(`${left} more are not drawn`, 8, h - 8); }
 }
 function drawVolume({ i, x, y, radius }, share, many, project) {
   const n = bake.nodes, picked = i === chosen;
@@ -309,6 +319,9 @@ function redraw() {
 }
 function turn(dx, dy) { eye.turn += dx; eye.tilt = Math.max(-1.55, Math.min(1.55, eye.tilt + dy)); redraw(); }
 function zoom(factor) { eye.zoom = Math.max(0.2, Math.min(60, eye.zoom * factor)); redraw(); }
+canvas.ondblclick = () => centre(chosen);
+byId('centre').onclick = () => centre(chosen);
+byId('whole').onclick = () => centre(-1);
 // The smallest volume under the pointer: what is inside others can be reached.
 function pick(event) {
   const box = canvas.getBoundingClientRect(), x = event.clientX - box.left, y = event.clientY - box.top;
@@ -320,6 +333,7 @@ function pick(event) {
 canvas.addEventListener('wheel', event => { event.preventDefault(); zoom(Math.exp(-event.deltaY * 0.0015)); }, { passive: false });
 canvas.onkeydown = event => {
   const act = { ArrowLeft: () => turn(-0.1, 0), ArrowRight: () => turn(0.1, 0), ArrowUp: () => turn(0, -0.1), ArrowDown: () => turn(0, 0.1),
+    'f': () => centre(chosen), 'Home': () => centre(-1),
     '+': () => zoom(1.15), '=': () => zoom(1.15), '-': () => zoom(1 / 1.15), '0': () => { eye.zoom = 1; redraw(); },
     '[': () => { setDepth(Number(byId('depth').value) - 1); redraw(); }, ']': () => { setDepth(Number(byId('depth').value) + 1); redraw(); } }[event.key];
   if (act) { act(); event.preventDefault(); }
@@ -352,7 +366,7 @@ for (const button of all('button.go')) {
     const n = bake.nodes, i = n.number.findIndex((number, k) => number === Number(button.dataset.node) && n.region[k] === Number(button.dataset.region));
     byId('tree').scrollIntoView();
     if (i >= 0) choose(i, 'table');
-    else byId('picked').textContent = 'This node stands deeper than the nodes that this page keeps; it is in inspect.json.';
+    else byId('picked').textContent = 'This node stands deeper than the nodes that this page keeps.';
   };
 }
 showBake(0);

@@ -4,7 +4,7 @@
 // The packing is described in html_rays.cpp.
 const data = JSON.parse(byId('data').textContent);
 const kVerdicts = ['agree', 'tie', 'grazing', 'reference_wrong', 'undefined', 'leak', 'tracer_wrong', 'capped'];
-const kFields = ['verdict', 'index', 'origin', 'direction', 't_max', 'tracer', 'reference', 'exact', 'reason', 'margin', 'bound', 'replay'];
+const kFields = ['verdict', 'index', 'origin', 'direction', 't_max', 'tracer', 'reference', 'exact', 'reason', 'margin', 'bound', 'replay', 'layer', 'explanation'];
 const number = text => text === '' ? NaN : Number(text.replaceAll(',', ''));
 function unpack([owner, text, numbers]) {
   const words = numbers.split(' ');
@@ -70,6 +70,12 @@ const kColumns = [
     ([label, text]) => [label, hex ? text.replaceAll(',', ', ') : decimals(text), hex ? decimals(text) : text])) },
   { name: 'answers', className: 'answers', key: r => r.tracer + r.reference,
     cell: r => lines([['tracer', r.tracer], ['reference', r.reference], ['exact', r.exact]]) },
+  { name: 'layer', key: r => r.layer, when: (o, rays) => rays.some(r => r.layer), cell: r => {
+    const cell = document.createDocumentFragment();
+    if (r.layer) cell.append(make('b', {}, r.layer));
+    if (r.explanation) cell.append(make('br'), make('a', { href: r.explanation }, 'explanation'));
+    return cell;
+  } },
   { name: 'reason', className: 'why', key: r => r.reason, cell: r => r.reason },
   { name: 'margin\u200b/bound', number: true, key: r => r.ratio, when: (o, rays) => rays.some(r => r.bound), cell: r => {
     const cell = document.createDocumentFragment();
