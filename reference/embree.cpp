@@ -107,6 +107,7 @@ void check(RTCDevice device) {
 
 void sphere_bounds(const RTCBoundsFunctionArguments* args);
 void intersect_sphere(const RTCIntersectFunctionNArguments* args);
+void occlude_sphere(const RTCOccludedFunctionNArguments* args);
 
 /// Embree's tree over what one space holds. Its address must not change: callbacks have it.
 struct Tree {
@@ -181,6 +182,7 @@ struct Tree {
     rtcSetGeometryUserData(one, this);
     rtcSetGeometryBoundsFunction(one, sphere_bounds, nullptr);
     rtcSetGeometryIntersectFunction(one, intersect_sphere);
+    rtcSetGeometryOccludedFunction(one, occlude_sphere);
     attach(one, kSphereGeometry);
   }
 
@@ -203,6 +205,26 @@ struct Tree {
     ray.id = ray.flags = 0;
     clear_hit(ray_hit);
     return true;
+  }
+
+  /// Embree's word on the nearest hit of a prepared ray.
+  void find(const Line& line, RTCRayHit& ray_hit) const {
+    const Denormals embree(Denormals::flushed);
+    Context context;
+    rtcInitIntersectContext(&context.base);
+    context.line = &line;
+    rtcIntersect1(scene, &context.base, &ray_hit);
+  }
+  /// Whether a line hits anything up to s = `last`.
+  bool is_blocked(const Line& line, double last) const {
+    RTCRayHit ray_hit;
+    if (!prepare(line, last, ray_hit)) return false;
+    const Denormals embree(Denormals::flushed);
+    Context context;
+    rtcInitIntersectContext(&context.base);
+    context.line = &line;
+    rtcOccluded1(scene, &context.base, &ray_hit.ray);
+    return ray_hit.ray.tfar < 0.0f;  // Embree's sign for a hit
   }
 
   /// What Embree found, in the tree's space.
@@ -285,6 +307,22 @@ void intersect_sphere(const RTCIntersectFunctionNArguments* args) {
   ray_hit.hit.instID[0] = context.base.instID[0];
 }
 
+void occlude_sphere(const RTCOccludedFunctionNArguments* args) {
+  if (!args->valid[0]) return;
+  const auto& tree = *static_cast<const Tree*>(args->geometryUserPtr);
+  const Line* line = reinterpret_cast<const Context*>(args->context)->line;
+  const auto& [center, radius] = tree.geometry.rounds[args->primID];
+  Line other;
+  if (const Image* const image = tree.geometry.image(args->primID); image != nullptr) {
+    other = image_of(*line, image->from_here);
+    line = &other;
+  }
+  const SphereRoots roots = sphere_roots(*line, center, radius);
+  if (!roots.met) return;
+  const double s = line->shift + nearest_root(*line, roots);
+  if (s > 0.0 && s <= line->t_max) reinterpret_cast<RTCRay*>(args->ray)->tfar = -INFINITY;
+}
+
 /// A tree where it stands; `map` is null for the world's own.
 struct Place {
   const Tree* tree = nullptr;
@@ -326,13 +364,7 @@ void intersect_place(const RTCIntersectFunctionNArguments* args) {
       place.map == nullptr ? line_near(*places.ray, tree.ball) : plain_local_line(*places.ray, *place.map, tree.ball);
   RTCRayHit found;
   if (!tree.prepare(line, last_of(line, tree, places.best.t), found)) return;
-  {
-    const Denormals embree(Denormals::flushed);
-    Context context;
-    rtcInitIntersectContext(&context.base);
-    context.line = &line;
-    rtcIntersect1(tree.scene, &context.base, &found);
-  }
+  tree.find(line, found);
   ReferenceHit hit = tree.values(line, found);
   if (hit.kind != HitKind::hit) return;
   if (place.map != nullptr) hit.instance = place.map->instance;
@@ -349,6 +381,16 @@ void intersect_place(const RTCIntersectFunctionNArguments* args) {
   ray_hit.ray.tfar = std::min(ray_hit.ray.tfar, round_up(s * places.scale * (1.0 + 0x1p-20)));
   ray_hit.hit.geomID = args->geomID;
   ray_hit.hit.primID = args->primID;
+}
+
+void occlude_place(const RTCOccludedFunctionNArguments* args) {
+  if (!args->valid[0]) return;
+  const Denormals our_own(Denormals::kept);
+  const Place& place = static_cast<const Place*>(args->geometryUserPtr)[args->primID];
+  const auto& places = *reinterpret_cast<const PlacesContext*>(args->context);
+  const Line line = place.map == nullptr ? line_near(*places.ray, place.tree->ball)
+                                         : plain_local_line(*places.ray, *place.map, place.tree->ball);
+  if (place.tree->is_blocked(line, line.t_max - line.shift)) reinterpret_cast<RTCRay*>(args->ray)->tfar = -INFINITY;
 }
 
 }  // namespace
@@ -375,10 +417,13 @@ struct EmbreeScene::Impl {
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
-  void add_places(const Scene& scene, SphereMode mode) {
+  void add_parts(const Scene& scene, SphereMode mode) {
     for (const Part& part : scene.parts) {
       trees.push_back(std::make_unique<Tree>(device, part_geometry(scene, part), bounding_ball(scene, part), mode));
     }
+  }
+
+  void add_places(const Scene& scene) {
     maps = instance_maps(scene);
     scale = scale_for(ball.radius);
     // Embree's ray is off by a rounding of its origin, at most three radii from the centre, in each coordinate, and of
@@ -399,6 +444,7 @@ struct EmbreeScene::Impl {
     rtcSetGeometryUserData(geometry, places.data());
     rtcSetGeometryBoundsFunction(geometry, place_bounds, nullptr);
     rtcSetGeometryIntersectFunction(geometry, intersect_place);
+    rtcSetGeometryOccludedFunction(geometry, occlude_place);
     rtcCommitGeometry(geometry);
     rtcAttachGeometryByID(over_places, geometry, 0);
     rtcReleaseGeometry(geometry);
@@ -462,18 +508,37 @@ struct EmbreeScene::Impl {
   ReferenceHit intersect_places(const Ray& ray) const {
     ReferenceHit nothing;
     if (!is_defined(ray)) nothing.kind = HitKind::undefined;
-    if (!is_defined(ray) || !(ray.t_max > 0.0f)) return nothing;
     PlacesContext context;
+    Line line;
+    RTCRayHit ray_hit;
+    if (!prepare_places(ray, line, context, ray_hit)) return nothing;
+    const Denormals embree(Denormals::flushed);
+    rtcIntersect1(over_places, &context.base, &ray_hit);
+    return context.best;
+  }
+
+  bool is_blocked_by_places(const Ray& ray) const {
+    PlacesContext context;
+    Line line;
+    RTCRayHit ray_hit;
+    if (!prepare_places(ray, line, context, ray_hit)) return false;
+    const Denormals embree(Denormals::flushed);
+    rtcOccluded1(over_places, &context.base, &ray_hit.ray);
+    return ray_hit.ray.tfar < 0.0f;
+  }
+
+  /// Fills Embree's ray for over_places, and what its callbacks need. False where the ray cannot hit anything.
+  bool prepare_places(const Ray& ray, Line& line, PlacesContext& context, RTCRayHit& ray_hit) const {
+    if (!is_defined(ray) || !(ray.t_max > 0.0f)) return false;
     rtcInitIntersectContext(&context.base);
-    const Line line = line_near(ray, ball);
+    line = line_near(ray, ball);
     context.ray = &ray;
     context.line = &line;
     context.scale = scale;
-    if (line.shift < 0.0) return nothing;  // the scene lies far behind the origin
+    if (line.shift < 0.0) return false;  // the scene lies far behind the origin
     const double last = (line.t_max - line.shift) * scale;
-    if (!(last > 0.0)) return nothing;
+    if (!(last > 0.0)) return false;
     const glm::dvec3 origin = (line.point + line.rest) * scale;
-    RTCRayHit ray_hit;
     RTCRay& embree_ray = ray_hit.ray;
     embree_ray = {};
     embree_ray.org_x = static_cast<float>(origin.x), embree_ray.org_y = static_cast<float>(origin.y),
@@ -484,9 +549,7 @@ struct EmbreeScene::Impl {
     embree_ray.tfar = round_up(last * (1.0 + 0x1p-20));
     embree_ray.mask = 0xffffffffu;
     clear_hit(ray_hit);
-    const Denormals embree(Denormals::flushed);
-    rtcIntersect1(over_places, &context.base, &ray_hit);
-    return context.best;
+    return true;
   }
 };
 
@@ -512,7 +575,20 @@ EmbreeScene::EmbreeScene(const Scene& scene, SphereMode spheres, Placement place
     around.radius = 0.5 * glm::length(box.upper - box.lower) * (1.0 + 0x1p-40);
   }
   impl.trees.push_back(std::make_unique<Tree>(impl.device, std::move(world), around, spheres));
-  impl.add_places(scene, spheres);
+  impl.add_parts(scene, spheres);
+  impl.add_places(scene);
+  impl.add_embree_instances();
+}
+
+void EmbreeScene::move_nodes(const Scene& scene) {
+  Impl& impl = *impl_;
+  if (impl.over_places == nullptr) return;
+  const KeepFloatingPoint keep;
+  for (const RTCScene old : {impl.over_places, impl.instanced}) rtcReleaseScene(old);
+  impl.over_places = impl.instanced = nullptr;
+  impl.places.clear();
+  impl.ball = bounding_ball(scene);
+  impl.add_places(scene);
   impl.add_embree_instances();
 }
 
@@ -531,6 +607,28 @@ void EmbreeScene::intersect(std::span<const Ray> rays, std::span<ReferenceHit> h
       for (std::size_t i = first; i < first + count; ++i) hits[i] = impl_->intersect_places(rays[i]);
     }
   });
+}
+
+ReferenceHit EmbreeScene::first_hit(const Ray& ray) const {
+  if (!impl_->places.empty()) return impl_->intersect_places(ray);
+  ReferenceHit nothing;
+  if (!is_defined(ray)) {
+    nothing.kind = HitKind::undefined;
+    return nothing;
+  }
+  const Tree& tree = *impl_->trees[0];
+  const Line line = line_near(ray, tree.ball);
+  RTCRayHit found;
+  if (!tree.prepare(line, line.t_max - line.shift, found)) return nothing;
+  tree.find(line, found);
+  return tree.values(line, found);
+}
+
+bool EmbreeScene::is_blocked(const Ray& ray) const {
+  if (!impl_->places.empty()) return impl_->is_blocked_by_places(ray);
+  if (!is_defined(ray)) return false;
+  const Line line = line_near(ray, impl_->trees[0]->ball);
+  return impl_->trees[0]->is_blocked(line, line.t_max - line.shift);
 }
 
 std::size_t EmbreeScene::intersect_only(std::span<const Ray> rays) const {

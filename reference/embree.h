@@ -52,6 +52,16 @@ class EmbreeScene {
   /// are off by a few 2^-53 (|L| |p| + |T|); Embree sees them rounded to 32 bits.
   void intersect(std::span<const Ray> rays, std::span<ReferenceHit> hits) const;
 
+  /// The same of one ray, in the calling thread; any number of threads may ask at once. For the renderer, whose rays
+  /// depend on each other.
+  ReferenceHit first_hit(const Ray& ray) const;
+  /// Whether a ray hits anything at all; false for an undefined one. As first_hit, but any hit ends the search.
+  bool is_blocked(const Ray& ray) const;
+
+  /// Takes the nodes' transforms from `scene`, which must be the one that this was made of but for them; the parts'
+  /// trees stay. Not while others trace, and not where instances were flattened.
+  void move_nodes(const Scene& scene);
+
   /// rtcIntersect1 on each ray as given and nothing else, on all cores: what the benchmark times. Instances are
   /// Embree's own here (RTC_GEOMETRY_TYPE_INSTANCE, the composed maps rounded to 32 bits). Returns the number of hits.
   std::size_t intersect_only(std::span<const Ray> rays) const;

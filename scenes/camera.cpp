@@ -39,4 +39,17 @@ Ray camera_ray(const CameraFrame& frame, double x, double y) {
 
 Ray camera_ray(const Camera& camera, double x, double y) { return camera_ray(camera_frame(camera), x, y); }
 
+double focus_distance(const Camera& camera) {
+  return camera.focus > 0.0f ? static_cast<double>(camera.focus)
+                             : glm::length(glm::dvec3(camera.at) - glm::dvec3(camera.from));
+}
+
+Light default_light(const Camera& camera) {
+  const CameraFrame frame = camera_frame(camera);
+  const double distance = glm::length(glm::dvec3(camera.at) - frame.from);
+  Light light;
+  light.position = glm::vec3(frame.from + 0.5 * distance * (frame.right + frame.up));
+  return light;
+}
+
 }  // namespace plumbline

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The ray through a point of the picture, by SEMANTICS.md section 4.
+// The ray through a point of the picture, by SEMANTICS.md section 4, and what else follows from the view alone.
 #pragma once
 
 #include "scenes/ray.h"
@@ -22,5 +22,12 @@ CameraFrame camera_frame(const Camera& camera);
 /// bottom-right one. The direction is of unit length, computed in double and rounded once; t_max is infinite.
 Ray camera_ray(const CameraFrame& frame, double x, double y);
 Ray camera_ray(const Camera& camera, double x, double y);
+
+/// The distance along the view of what is sharp: `focus`, or that of `at` where it is 0.
+double focus_distance(const Camera& camera);
+
+/// What lights a scene without lights: a point without colour, above the eye and to its right, each by half the
+/// distance from the eye to `at`. Throws as camera_frame does.
+Light default_light(const Camera& camera);
 
 }  // namespace plumbline

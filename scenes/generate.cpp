@@ -45,6 +45,19 @@ const Generator* find_generator(std::string_view name) {
   return nullptr;
 }
 
+/// The scene files of a folder, by name.
+std::vector<std::string> scenes_in(const std::filesystem::path& folder) {
+  std::vector<std::string> names;
+  std::error_code failure;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, failure)) {
+    const std::filesystem::path& path = entry.path();
+    // The schema is no scene.
+    if (path.extension() == ".json" && path.stem().extension().empty()) names.push_back(path.stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
 }  // namespace
 
 std::span<const Generator> generators() { return kGenerators; }
@@ -85,22 +98,21 @@ Scene load_scene(std::string_view spec) {
   const std::vector<std::string> shipped = shipped_scenes();
   if (std::find(shipped.begin(), shipped.end(), spec) != shipped.end())
     return read_scene(std::filesystem::path(PLUMBLINE_SCENE_FOLDER) / (std::string(spec) + ".json"));
+  const std::filesystem::path picture =
+      std::filesystem::path(PLUMBLINE_SCENE_FOLDER) / "pictures" / (std::string(spec) + ".json");
+  const std::vector<std::string> pictures = picture_scenes();
+  if (std::find(pictures.begin(), pictures.end(), spec) != pictures.end()) return read_scene(picture);
   std::string known;
   for (const std::string& scene : shipped) known += (known.empty() ? "" : ", ") + scene;
+  for (const std::string& scene : pictures) known += ", " + scene;
   throw InputError(shown(spec) + ": neither a file nor a generator nor a scene of ours; files end in " +
                    known_endings() + ", generators are " + known_generators() + ", scenes are " + known);
 }
 
-std::vector<std::string> shipped_scenes() {
-  std::vector<std::string> names;
-  std::error_code failure;
-  for (const auto& entry : std::filesystem::directory_iterator(PLUMBLINE_SCENE_FOLDER, failure)) {
-    const std::filesystem::path& path = entry.path();
-    // The schema is no scene.
-    if (path.extension() == ".json" && path.stem().extension().empty()) names.push_back(path.stem().string());
-  }
-  std::sort(names.begin(), names.end());
-  return names;
+std::vector<std::string> shipped_scenes() { return scenes_in(PLUMBLINE_SCENE_FOLDER); }
+
+std::vector<std::string> picture_scenes() {
+  return scenes_in(std::filesystem::path(PLUMBLINE_SCENE_FOLDER) / "pictures");
 }
 
 }  // namespace plumbline

@@ -36,4 +36,7 @@ Scene load_scene(std::string_view spec);
 /// built from is gone.
 std::vector<std::string> shipped_scenes();
 
+/// The same of those in the folder pictures: scenes for renderers, which would tell a comparison of hits nothing new.
+std::vector<std::string> picture_scenes();
+
 }  // namespace plumbline

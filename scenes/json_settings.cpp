@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "scenes/json_settings.h"
 
+#include <algorithm>
+
 #include "scenes/camera.h"
 #include "scenes/error.h"
 
@@ -48,6 +50,9 @@ Camera read_camera(const JsonPlace& place) {
     if (problem.starts_with("camera: ")) problem.erase(0, 8);
     place.fail(problem);
   }
+  // Rays start up to the aperture before the eye, and must all see what is sharp before them.
+  if (!(static_cast<double>(camera.aperture) < focus_distance(camera)))
+    place.need("aperture").fail("the lens must be smaller than the distance of what is sharp");
   return camera;
 }
 
@@ -64,7 +69,8 @@ Light read_light(const JsonPlace& place) {
 }
 
 Effects read_effects(const JsonPlace& place) {
-  place.allow({"model", "antialias", "soft_shadows", "depth_of_field", "motion_blur", "glossy", "depth"});
+  place.allow(
+      {"model", "antialias", "soft_shadows", "depth_of_field", "motion_blur", "glossy_reflections", "glossy", "depth"});
   Effects effects;
   if (const auto model = place.find("model")) {
     if (model->text() != "paper" && model->text() != "physical") model->fail("expected \"paper\" or \"physical\"");
@@ -77,6 +83,7 @@ Effects read_effects(const JsonPlace& place) {
   read_switch("soft_shadows", effects.soft_shadows);
   read_switch("depth_of_field", effects.depth_of_field);
   read_switch("motion_blur", effects.motion_blur);
+  read_switch("glossy_reflections", effects.glossy_reflections);
   if (const auto glossy = place.find("glossy")) effects.glossy = static_cast<float>(glossy->number_between(0.0, 1.0));
   if (const auto depth = place.find("depth")) effects.depth = depth->integer(0, 5);
   return effects;
@@ -100,10 +107,42 @@ void read_settings(const JsonPlace& root, Settings& settings) {
   }
 }
 
+Ground read_ground(const JsonPlace& place, const NamedMaterials& materials, MeshPool& pool) {
+  place.allow({"center", "normal", "radius", "texture_size", "material"});
+  Ground ground;
+  if (const auto center = place.find("center")) ground.center = glm::vec3(center->vector());
+  glm::dvec3 normal(0.0, 1.0, 0.0);
+  if (const auto given = place.find("normal")) {
+    normal = given->vector();
+    const glm::dvec3 size = glm::abs(normal);
+    const double largest = std::max({size.x, size.y, size.z});
+    if (!(largest > 0.0)) given->fail("a normal must not be zero");
+    normal = glm::normalize(normal / largest);
+  }
+  // The texture's u runs along x as far as the plane lets it, or along z where the plane faces x.
+  const glm::dvec3 size = glm::abs(normal);
+  const glm::dvec3 along = size.x > size.y && size.x > size.z ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0);
+  const glm::dvec3 u = glm::normalize(along - glm::dot(along, normal) * normal);
+  ground.normal = glm::vec3(normal);
+  ground.u_axis = glm::vec3(u);
+  ground.v_axis = glm::vec3(glm::cross(normal, u));
+  const auto positive = [](const JsonPlace& number) {
+    const auto value = static_cast<float>(number.number());
+    if (!(value > 0.0f)) number.fail("expected a number above 0");
+    return value;
+  };
+  ground.radius = positive(place.need("radius"));
+  if (const auto texture_size = place.find("texture_size")) ground.texture_size = positive(*texture_size);
+  const auto material = place.find("material");
+  ground.material = material ? find_material(materials, *material) : pool.add_material(Material{});
+  return ground;
+}
+
 void apply(const Settings& settings, Scene& scene) {
   scene.lights = settings.lights;
   scene.background = settings.background;
   scene.effects = settings.effects;
+  scene.ground = settings.ground;
   scene.has_camera = settings.has_camera;
   if (settings.has_camera) {
     scene.camera = settings.camera;

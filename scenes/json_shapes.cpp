@@ -6,6 +6,8 @@
 #include <limits>
 
 #include "scenes/builder.h"
+#include "scenes/error.h"
+#include "scenes/generate_texture.h"
 #include "scenes/text_file.h"
 #include "scenes/texture.h"
 
@@ -16,6 +18,13 @@ constexpr double kLargest = std::numeric_limits<float>::max();
 
 std::uint32_t read_texture(const JsonPlace& place, const std::filesystem::path& folder, TextureKind kind,
                            MeshPool& pool) {
+  if (is_generated_texture(place.text())) {
+    try {
+      return pool.add_texture(generate_texture(place.text()));
+    } catch (const InputError& error) {
+      place.fail(error.what());
+    }
+  }
   Scene holder;
   std::string problem;
   if (!find_texture(holder, folder / place.text(), kind, problem)) place.fail(problem);
@@ -24,7 +33,7 @@ std::uint32_t read_texture(const JsonPlace& place, const std::filesystem::path& 
 
 Material read_material(const JsonPlace& place, const std::filesystem::path& folder, MeshPool& pool) {
   place.allow({"color", "diffuse", "specular", "shine", "transmittance", "refraction_index", "diffuse_texture",
-               "bump_texture"});
+               "bump_texture", "bump_scale", "glossy"});
   Material material;
   const auto read_factor = [&](const char* key, float& value, double most) {
     if (const auto found = place.find(key)) value = static_cast<float>(found->number_between(0.0, most));
@@ -42,6 +51,8 @@ Material read_material(const JsonPlace& place, const std::filesystem::path& fold
     material.diffuse_texture = read_texture(*texture, folder, TextureKind::color, pool);
   if (const auto texture = place.find("bump_texture"))
     material.bump_texture = read_texture(*texture, folder, TextureKind::height, pool);
+  if (const auto scale = place.find("bump_scale")) material.bump_scale = static_cast<float>(scale->number());
+  read_factor("glossy", material.glossy, 1.0);
   return material;
 }
 
@@ -100,18 +111,34 @@ class ShapeReader {
     ++scene_.source.polygons;
   }
 
-  void mesh(const JsonPlace& positions, const JsonPlace& triangles, std::uint32_t material) {
+  /// A mesh of the keys of `part`; normals and texture coordinates belong to the positions of their numbers.
+  void mesh(const JsonPlace& part, std::uint32_t material) {
+    const JsonPlace positions = part.need("positions"), triangles = part.need("triangles");
     positions.check_array(3);
     triangles.check_array(1);
     const auto first = static_cast<std::uint32_t>(scene_.positions.size());
     const auto count = static_cast<std::uint32_t>(positions.size());
     for (std::size_t i = 0; i < positions.size(); ++i) scene_.positions.push_back(read_point(positions.at(i)));
+    const auto normals = part.find("normals"), texcoords = part.find("texcoords");
+    if (normals) normals->check_array(count, count);
+    if (texcoords) texcoords->check_array(count, count);
+    for (std::uint32_t i = 0; normals && i < count; ++i) scene_.normals.push_back(read_point(normals->at(i)));
+    for (std::uint32_t i = 0; texcoords && i < count; ++i) {
+      const JsonPlace texcoord = texcoords->at(i);
+      texcoord.check_array(2, 2);
+      scene_.texcoords.push_back(glm::vec2(glm::dvec2(texcoord.at(0).number(), texcoord.at(1).number())));
+    }
     for (std::size_t t = 0; t < triangles.size(); ++t) {
       const JsonPlace corners = triangles.at(t);
       corners.check_array(3, 3);
       Triangle triangle;
       triangle.material = material;
-      for (std::size_t i = 0; i < 3; ++i) triangle.position[i] = first + corners.at(i).integer(0, count - 1);
+      for (std::size_t i = 0; i < 3; ++i) {
+        const std::uint32_t corner = corners.at(i).integer(0, count - 1);
+        triangle.position[i] = first + corner;
+        if (normals) triangle.normal[i] = corner;
+        if (texcoords) triangle.texcoord[i] = corner;
+      }
       scene_.triangles.push_back(triangle);
       ++scene_.source.polygons;
     }
@@ -168,7 +195,10 @@ Scene read_shapes(const JsonPlace& part, const NamedMaterials& materials, std::u
   const auto positions = part.find("positions"), triangles = part.find("triangles");
   if (positions && !triangles) positions->fail("positions need 'triangles', which name three of them each");
   if (triangles && !positions) triangles->fail("triangles need 'positions', which they name by number");
-  if (positions) reader.mesh(*positions, *triangles, reader.material_of(part));
+  for (const char* const key : {"normals", "texcoords"}) {
+    if (const auto found = part.find(key); found && !positions) found->fail("these belong to 'positions'");
+  }
+  if (positions) reader.mesh(part, reader.material_of(part));
   return reader.take();
 }
 

@@ -41,6 +41,7 @@ bool is_sound(const Scene& scene) {
   for (const Material& material : scene.materials) {
     if (material.diffuse_texture != kNone && material.diffuse_texture >= scene.textures.size()) return false;
     if (material.bump_texture != kNone && material.bump_texture >= scene.textures.size()) return false;
+    if (!std::isfinite(material.bump_scale)) return false;
     if (!std::isfinite(material.shine) || !(material.transmittance >= 0.0f && material.transmittance <= 1.0f))
       return false;
   }

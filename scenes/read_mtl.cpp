@@ -165,15 +165,7 @@ Material convert(Scene& scene, const std::string& file, const Entry& entry, cons
   }
   if (entry.bump_line > 0) {
     material.bump_texture = texture_index(scene, file, entry.bump_line, source.bump_texname, TextureKind::height);
-    const float scale = source.bump_texopt.bump_multiplier;
-    if (material.bump_texture != kNone && scale != 1.0f) {
-      // Each scale needs texels of its own.
-      Texture scaled = scene.textures[material.bump_texture];
-      scaled.path.append("*").append(std::to_string(scale));
-      for (glm::vec3& texel : scaled.texels) texel *= scale;
-      material.bump_texture = static_cast<std::uint32_t>(scene.textures.size());
-      scene.textures.push_back(std::move(scaled));
-    }
+    material.bump_scale = source.bump_texopt.bump_multiplier;
   }
   return material;
 }

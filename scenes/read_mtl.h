@@ -18,7 +18,8 @@ namespace plumbline {
 ///
 /// Kd becomes the colour (with a diffuse factor of 1), the largest of Ks the specular factor, Ns the shine, 1 - d the
 /// transmittance (where d is 1 but illum asks for refraction: the mean of Tf), Ni the refraction index, map_Kd and
-/// map_bump (or bump) the textures; -bm scales the heights. Emission and all else is left out with a warning.
+/// map_bump (or bump) the textures; -bm the scale of the heights, in units of the OBJ file. Emission and all else is
+/// left out with a warning.
 std::map<std::string, std::uint32_t> read_materials(Scene& scene, const std::filesystem::path& obj_path,
                                                     const std::vector<NamedLine>& libraries);
 

@@ -145,8 +145,11 @@ TEST_CASE("MTL materials are mapped, with textures decoded from sRGB and heights
   CHECK(color.texels[0].r == 1.0f);
   CHECK(color.texels[0].g == Approx(0.5029f).epsilon(1e-3));  // sRGB 188
   CHECK(color.texels[1].b == Approx(0.2159f).epsilon(1e-3));  // sRGB 128
-  CHECK(height.texels[1].r == Approx(0.5f * 128.0f / 255.0f));
-  CHECK(height.texels[0].b == 0.5f);
+  CHECK(textured.bump_scale == 0.5f);
+  CHECK(height.texels[1].r == Approx(128.0f / 255.0f));
+  CHECK(height.texels[0].b == 1.0f);
+  CHECK(glass.bump_scale == 1.0f);
+  CHECK(glass.glossy < 0.0f);
   CHECK(glass.transmittance == 0.5f);
   CHECK(glass.refraction_index == 1.5f);
   CHECK(glass.shine == 200.0f);

@@ -66,11 +66,13 @@ class Reader {
     file.document = parse_json(path.string(), text);
     file.folder = path.parent_path();
     const JsonPlace root(file.document);
-    root.allow({"$schema", "description", "background", "camera", "lights", "effects", "materials", "parts", "world",
-                "nodes"});
+    root.allow({"$schema", "description", "background", "camera", "lights", "effects", "ground", "materials", "parts",
+                "world", "nodes"});
     Settings ignored;
-    read_settings(root, settings != nullptr ? *settings : ignored);
+    if (settings == nullptr) settings = &ignored;
+    read_settings(root, *settings);
     if (const auto materials = root.find("materials")) file.materials = read_materials(*materials, file.folder, pool_);
+    if (const auto ground = root.find("ground"); ground) settings->ground = read_ground(*ground, file.materials, pool_);
 
     if (const auto parts = root.find("parts")) {
       parts->check_object();
@@ -142,12 +144,13 @@ class Reader {
       result = &read_source(file, place);
     } else {
       if (!place.is_object()) place.fail("expected a source as a string, or an object");
-      place.allow({"source", "spheres", "discs", "positions", "triangles", "nodes", "material"});
+      place.allow(
+          {"source", "spheres", "discs", "positions", "normals", "texcoords", "triangles", "nodes", "material"});
       const auto source = place.find("source"), nodes = place.find("nodes");
       const auto material = place.find("material");
       const std::uint32_t replacement = material ? find_material(file.materials, *material) : kNone;
-      const bool has_shapes =
-          place.find("spheres") || place.find("discs") || place.find("positions") || place.find("triangles");
+      const bool has_shapes = place.find("spheres") || place.find("discs") || place.find("positions") ||
+                              place.find("triangles") || place.find("normals") || place.find("texcoords");
       if ((source ? 1 : 0) + (nodes ? 1 : 0) + (has_shapes ? 1 : 0) != 1)
         place.fail(
             "a part has either 'source', or 'nodes', or shapes: 'spheres', 'discs', 'positions' and 'triangles'");

@@ -25,6 +25,8 @@ struct Material {
   float refraction_index = 1.0f;          ///< relative to the outside; 0 in some SPD files means opaque
   std::uint32_t diffuse_texture = kNone;  ///< index into Scene::textures; modulates Kd
   std::uint32_t bump_texture = kNone;     ///< index into Scene::textures; a height map (Blinn 1978)
+  float bump_scale = 1.0f;                ///< length that a height of 1 stands for, in the space of the geometry
+  float glossy = -1.0f;                   ///< as Effects::glossy, of this surface; below 0: that of the scene
 };
 
 /// An image in memory, row 0 at the top, linear values.
@@ -78,8 +80,20 @@ struct Effects {
   bool soft_shadows = true;
   bool depth_of_field = true;
   bool motion_blur = true;
+  bool glossy_reflections = true;
   float glossy = 0.0f;      ///< half-side or radius of what is added to the normal of a reflection; 0: a mirror
   std::uint32_t depth = 5;  ///< of reflections and refractions, at most 5
+};
+
+/// A round plane outside of the tree: the paper's global geometry test (SEMANTICS.md, 6.8). World space. It is none of
+/// the scene's primitives, and no bounding ball holds it.
+struct Ground {
+  glm::vec3 center{0.0f};
+  glm::vec3 normal{0.0f, 1.0f, 0.0f};                             ///< of unit length, rounded
+  glm::vec3 u_axis{1.0f, 0.0f, 0.0f}, v_axis{0.0f, 0.0f, -1.0f};  ///< of its texture, of unit length, rounded
+  float radius = 0.0f;                                            ///< 0: there is no ground
+  float texture_size = 1.0f;                                      ///< > 0, side of one repetition of the texture
+  std::uint32_t material = 0;
 };
 
 /// What a reader found in its file, before polygons, cones and cylinders became triangles.
@@ -134,6 +148,7 @@ struct Scene {
   bool has_camera = false;  ///< false: `camera` is a view chosen to frame the scene (frame_camera)
   glm::vec3 background{0.0f};
   Effects effects;
+  Ground ground;
   SourceCounts source;
   std::vector<std::string> warnings;  ///< "file:line: what was done and why", for the user to read
 

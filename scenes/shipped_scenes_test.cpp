@@ -185,6 +185,10 @@ TEST_CASE("Shipped scenes and the documentation's example keep to the schema, an
     misspelt.replace(misspelt.find("\"nodes\""), 7, "\"nodez\"");
     CHECK_FALSE(keeps_to_schema(misspelt));
   }
+  for (const std::string& name : picture_scenes()) {
+    INFO(name);
+    CHECK(keeps_to_schema(read_text_file("scenes/pictures/" + name + ".json")));
+  }
   const std::string page = read_text_file("scenes/SCENE_FILES.md");
   const std::size_t start = page.find("```jsonc\n") + 9, end = page.find("```", start);
   const std::string example = page.substr(start, end - start);
