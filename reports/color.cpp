@@ -87,6 +87,7 @@ Rgb texel_color(std::string_view kind) {
   if (kind == "ends") return {213, 94, 0};
   if (kind == "primitives") return {230, 159, 0};
   if (kind == "transforms") return {0, 158, 115};
+  if (kind == "lights") return {240, 228, 66};
   if (kind == "unused") return {185, 194, 205};
   return {136, 136, 136};
 }

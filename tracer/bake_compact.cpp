@@ -38,7 +38,9 @@ class CompactWriter {
                        " has more nodes or primitives than 23 bits can number; use the layout `paper`");
     }
     const std::uint64_t transforms = texels + std::uint64_t{image_.primitive_stride} * image_.primitive_count;
-    allocate_texels(transforms + std::uint64_t{kTransformTexels} * image_.transform_count, image_);
+    allocate_texels(transforms + std::uint64_t{kTransformTexels} * image_.transform_count +
+                        std::uint64_t{kLightTexels} * image_.light_count,
+                    image_);
     image_.primitive_start = static_cast<std::uint32_t>(texels);
     image_.transform_start = static_cast<std::uint32_t>(transforms);
     output_.leaves.resize(image_.transform_count);

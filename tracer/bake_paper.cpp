@@ -18,7 +18,9 @@ class PaperWriter {
     for (const BakeRegion& region : input_.regions) cells += image_.copy_count * region_cells(region);
     const std::uint64_t start = cells + cells % 2;
     const std::uint64_t transforms = start + std::uint64_t{image_.primitive_stride} * image_.primitive_count;
-    allocate_texels(2 * (transforms + std::uint64_t{kTransformTexels / 2} * image_.transform_count), image_);
+    allocate_texels(2 * (transforms + std::uint64_t{kTransformTexels / 2} * image_.transform_count +
+                         std::uint64_t{kLightTexels / 2} * image_.light_count),
+                    image_);
     image_.primitive_start = static_cast<std::uint32_t>(start);
     image_.transform_start = static_cast<std::uint32_t>(transforms);
     output_.leaves.resize(image_.transform_count);

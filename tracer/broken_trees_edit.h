@@ -102,6 +102,8 @@ std::size_t make_sphere_denormal(TreeEditor& editor);
 std::size_t write_behind(TreeEditor& editor);
 std::size_t write_unused(TreeEditor& editor);
 std::size_t move_corner(TreeEditor& editor);
+std::size_t move_light(TreeEditor& editor);
+std::size_t exchange_lights(TreeEditor& editor);
 std::size_t exchange_labels(TreeEditor& editor);
 std::size_t turn_triangle(TreeEditor& editor);
 std::size_t repeat_primitive(TreeEditor& editor);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Changes to records of transforms, to primitives, and to single numbers.
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -168,6 +169,21 @@ std::size_t write_unused(TreeEditor& editor) {
   const std::uint32_t k = editor.choose(editor.image.primitive_count, any);
   primitive_texel(editor, k, 2).w = 1.0f;
   return primitive_texels(editor.image, k)[2];
+}
+
+std::size_t move_light(TreeEditor& editor) {
+  const std::uint32_t l = editor.choose(editor.image.light_count, any);
+  float& x = editor.image.texels[light_texel(editor.image, l, 0)].x;
+  x = std::nextafter(x, kInfinity);
+  return light_texel(editor.image, l, 0);
+}
+
+std::size_t exchange_lights(TreeEditor& editor) {
+  GeometryImage& image = editor.image;
+  const std::uint32_t l = editor.choose(image.light_count - 1, any);
+  for (std::uint32_t i = 0; i < kLightTexels; ++i)
+    std::swap(image.texels[light_texel(image, l, i)], image.texels[light_texel(image, l + 1, i)]);
+  return light_texel(image, l, 0);
 }
 
 std::size_t move_corner(TreeEditor& editor) {

@@ -142,6 +142,7 @@ void count_primitives(const Scene& scene, const SceneTree& tree, GeometryImage& 
   image.world_primitives = image.primitive_count;
   for (const SphereTree& part : tree.parts) count(part);
   image.transform_count = static_cast<std::uint32_t>(scene.nodes.size());
+  image.light_count = static_cast<std::uint32_t>(scene.lights.size());
 }
 
 /// A ball as four floats that contain it; the centre moves when it is rounded, and the radius covers that too.
@@ -240,7 +241,18 @@ void write_transforms(const Scene& scene, const SceneTree& tree, const BakeOutpu
   }
 }
 
+void write_lights(const Scene& scene, GeometryImage& image) {
+  for (std::uint32_t l = 0; l < scene.lights.size(); ++l) {
+    const auto texels = light_texels(scene.lights[l]);
+    for (std::uint32_t i = 0; i < kLightTexels; ++i) image.texels[light_texel(image, l, i)] = texels[i];
+  }
+}
+
 }  // namespace
+
+std::array<glm::vec4, kLightTexels> light_texels(const Light& light) {
+  return {glm::vec4(light.position, light.radius), light.has_color ? glm::vec4(light.color, 1.0f) : glm::vec4(0.0f)};
+}
 
 float round_up(double x) {
   const float f = static_cast<float>(x);
@@ -330,6 +342,15 @@ std::size_t transform_texel(const GeometryImage& image, std::uint32_t n, std::ui
   return cell / width * 2 * width + cell % width + (i % 2) * width;
 }
 
+std::size_t light_texel(const GeometryImage& image, std::uint32_t l, std::uint32_t i) {
+  const bool is_compact = image.options.layout == Layout::compact;
+  const std::size_t start = std::size_t{image.transform_start} +
+                            std::size_t{is_compact ? kTransformTexels : kTransformTexels / 2} * image.transform_count;
+  if (is_compact) return start + std::size_t{kLightTexels} * l + i;
+  const std::size_t cell = start + l, width = static_cast<std::size_t>(image.width);
+  return cell / width * 2 * width + cell % width + i * width;
+}
+
 void allocate_texels(std::uint64_t texels, GeometryImage& image) {
   std::uint64_t width = image.options.width, height = image.options.width;
   while (width * height < texels) (height > width ? width : height) *= 2;
@@ -369,6 +390,7 @@ GeometryImage bake(const Scene& scene, const SceneTree& tree, const BakeOptions&
   image.cell_count = longest_walk(input, numbering, image);
   const BakeOutput output = options.layout == Layout::compact ? bake_compact(input, image) : bake_paper(input, image);
   write_transforms(scene, tree, output, numbering, image);
+  write_lights(scene, image);
   return image;
 }
 

@@ -27,12 +27,17 @@
 //   R7         k of its first primitive, how many there are (0 0 in front of a group), depth (1: in the world), 0
 //   R8 R9      where its leaf stands in each of the copies of the region around it
 //
+// Lights stand behind the transforms, kLightTexels texels each, in units of the world:
+//
+//   L0   position, radius     L1   colour, 1; or 0 0 0 0 for a light without one
+//
 // Layout `compact`. Texel i stands at (i mod width, i / width).
 //   region       one depth-first copy of its trees (links `threaded`), or one per octant of directions (links `octant`:
 //                bit a of the octant is set where direction component a is negative; children stand front to back),
 //                each closed by an end texel. The world's stands at 0
 //   then, from `primitive_start`                 primitive k: P0, P1(, P2) at primitive_start + primitive_stride * k
 //   then, from `transform_start`                 record n at transform_start + kTransformTexels * n
+//   then                                         light l at light_start + kLightTexels * l
 //   A node with bounds `sphere` is one texel: the centre and a word. The word is a float whose absolute value is at
 //   least the squared radius: its low `payload_bits` bits were set first, then the smallest bits above them that make
 //   it so. With bounds `aabb` a node is two texels: lower corner and word, upper corner and 0; here the bits above the
@@ -51,6 +56,7 @@
 //                below: in link, out link
 //   primitive    `primitive_stride` cells side by side on an x divisible by it: top P0(, P1), below P1 or P2
 //   transform    kTransformTexels / 2 cells in a row: R0 above R1, R2 above R3, ...
+//   light        one cell: L0 above L1
 //   link         (x + 0.5) / width + K, (2y + 0.5) / height: the half texel is baked in; the integer K tells what is
 //                reached: 0 a node, kLinkTriangle or kLinkSphere the first primitive of a cluster (spheres may follow
 //                triangles in it), kLinkTransform the record of a node to enter, kLinkEnd the end of the region
@@ -59,6 +65,7 @@
 //   comes the out link of the leaf. Chains that would end are ended at once. Copies share the primitives.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <glm/glm.hpp>
@@ -72,7 +79,7 @@
 
 namespace plumbline {
 
-inline constexpr int kGeometryImageVersion = 2;
+inline constexpr int kGeometryImageVersion = 3;
 inline constexpr std::uint32_t kWordBase = 0x3f800000u;  ///< compact, aabb: makes every word a normal float
 inline constexpr std::uint32_t kEndWord = 0xff800000u;   ///< compact: -infinity
 inline constexpr int kMaxImageWidth = 16384;             ///< and height, in texels
@@ -80,6 +87,7 @@ inline constexpr int kMaxPayloadBits = 23;  ///< compact: at least the exponent 
 inline constexpr float kKindTriangle = 0.0f, kKindSphere = 1.0f;
 inline constexpr int kLinkTriangle = -1, kLinkSphere = -2, kLinkTransform = -3, kLinkEnd = -4;
 inline constexpr std::uint32_t kTransformTexels = 10;
+inline constexpr std::uint32_t kLightTexels = 2;
 inline constexpr std::uint32_t kMaxExactFloat = 1u << 24;        ///< whole numbers up to here are exact in a texel
 inline constexpr std::uint32_t kMaxPrimitives = (1u << 24) - 2;  ///< labels are exact floats
 
@@ -123,6 +131,7 @@ struct GeometryImage {
   std::uint32_t world_primitives = 0;  ///< of those stored, the first so many stand in world space
   std::uint32_t transform_start = 0;   ///< compact: texel; paper: cell
   std::uint32_t transform_count = 0;   ///< records: nodes of the scene
+  std::uint32_t light_count = 0;       ///< lights of the scene
   std::uint32_t copy_count = 0;        ///< 1 (threaded) or 8 (octant)
   std::uint32_t copy_size = 0;         ///< of the world's region; compact: texels, end included; paper: cells
   int payload_bits = 0;                ///< compact: low bits of a node's word
@@ -159,6 +168,10 @@ std::uint32_t primitive_stride(Layout layout, bool has_triangles);
 
 /// Where texel i of the record of scene node n stands in GeometryImage::texels.
 std::size_t transform_texel(const GeometryImage& image, std::uint32_t n, std::uint32_t i);
+/// Where texel i of light l stands.
+std::size_t light_texel(const GeometryImage& image, std::uint32_t l, std::uint32_t i);
+/// A light as it is stored.
+std::array<glm::vec4, kLightTexels> light_texels(const Light& light);
 
 /// "compact", "sphere", "octant", ...: the names used in files, options and reports.
 const char* name_of(Layout layout);

@@ -98,6 +98,7 @@ void write_geometry_image(const GeometryImage& image, const std::filesystem::pat
   set_count("world_primitives", image.world_primitives);
   set_count("transform_start", image.transform_start);
   set_count("transforms", image.transform_count);
+  set_count("lights", image.light_count);
   set_count("copy_size", image.copy_size);
   set("payload_bits", image.payload_bits);
   write_exr(path, file);
@@ -136,6 +137,7 @@ GeometryImage read_attributes(const Image& header, const Attributes& attributes)
   image.world_primitives = attributes.count("world_primitives");
   image.transform_start = attributes.count("transform_start");
   image.transform_count = attributes.count("transforms");
+  image.light_count = attributes.count("lights");
   image.primitive_stride = primitive_stride(image.options.layout, image.triangle_count > 0 || image.sphere_count == 0);
   image.copy_count = image.options.links == Links::octant ? 8 : 1;
   image.copy_size = attributes.count("copy_size");

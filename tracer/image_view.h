@@ -19,6 +19,9 @@ inline std::uint32_t node_units(const GeometryImage& image) { return has_boxes(i
 inline std::uint32_t record_units(const GeometryImage& image) {
   return is_compact(image) ? kTransformTexels : kTransformTexels / 2;
 }
+inline std::uint32_t light_units(const GeometryImage& image) {
+  return is_compact(image) ? kLightTexels : kLightTexels / 2;
+}
 inline std::uint64_t unit_count(const GeometryImage& image) {
   return is_compact(image) ? image.texels.size() : image.texels.size() / 2;
 }

@@ -26,6 +26,8 @@ class KindMap {
       for (const std::size_t texel : primitive_texels(image_, k)) set(texel, TexelKind::primitive);
     for (std::uint32_t n = 0; n < image_.transform_count; ++n)
       for (std::uint32_t i = 0; i < kTransformTexels; ++i) set(transform_texel(image_, n, i), TexelKind::transform);
+    for (std::uint32_t l = 0; l < image_.light_count; ++l)
+      for (std::uint32_t i = 0; i < kLightTexels; ++i) set(light_texel(image_, l, i), TexelKind::light);
     return std::move(kinds_);
   }
 
@@ -124,6 +126,8 @@ const char* name_of(TexelKind kind) {
       return "primitives";
     case TexelKind::transform:
       return "transforms";
+    case TexelKind::light:
+      return "lights";
     case TexelKind::unused:
       return "unused";
   }

@@ -19,9 +19,10 @@ enum class TexelKind : std::uint8_t {
   end,        ///< the end of a copy; layout `paper`: the cell of an empty region
   primitive,  ///< points, labels and radii
   transform,  ///< records
-  unused,     ///< fills up: cells in part and the image up to a power of two
+  light,
+  unused,  ///< fills up: cells in part and the image up to a power of two
 };
-inline constexpr std::size_t kTexelKinds = 7;
+inline constexpr std::size_t kTexelKinds = 8;
 const char* name_of(TexelKind kind);
 
 /// The kind of every texel, row by row.

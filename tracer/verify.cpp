@@ -64,8 +64,10 @@ constexpr VerifyRule kRules[] = {
      "a ray that hits it in the scene misses it here", Needs::scene},
     {"matrix_bits", "matrices equal the scene's, their inverses what double precision makes of them",
      "what stands behind the transform is seen elsewhere than in the scene", Needs::scene},
+    {"light_bits", "lights equal the scene's bit for bit, in its order",
+     "a surface is lit from elsewhere, in another colour, or not at all", Needs::scene},
 };
-static_assert(std::size(kRules) == static_cast<std::size_t>(Rule::matrix_bits) + 1);
+static_assert(std::size(kRules) == static_cast<std::size_t>(Rule::light_bits) + 1);
 
 bool is_power_of_two(int n) { return n > 0 && n <= kMaxImageWidth && std::has_single_bit(static_cast<unsigned>(n)); }
 
@@ -141,8 +143,11 @@ std::vector<std::string> attribute_errors(const GeometryImage& image) {
   const std::uint64_t behind = image.primitive_start + std::uint64_t{image.primitive_stride} * image.primitive_count;
   demand(image.transform_start == behind, "transforms are said to start at " + count(image.transform_start) +
                                               ", but primitives end at " + count(behind));
-  demand(behind + std::uint64_t{record_units(image)} * image.transform_count <= units,
-         "there are fewer texels than the attributes promise: primitives and transforms run past unit " + count(units));
+  demand(behind + std::uint64_t{record_units(image)} * image.transform_count +
+                 std::uint64_t{light_units(image)} * image.light_count <=
+             units,
+         "there are fewer texels than the attributes promise: primitives, transforms and lights run past unit " +
+             count(units));
   demand(image.world_primitives <= image.primitive_count,
          count(image.world_primitives) + " of " + count(image.primitive_count) + " primitives stand in the world");
   demand(image.primitive_count <= kMaxPrimitives && image.transform_count < kMaxExactFloat,

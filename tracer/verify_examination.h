@@ -36,6 +36,7 @@ enum class Rule {
   primitive_bits,
   primitive_missing,
   matrix_bits,
+  light_bits,
 };
 
 /// Collects findings: all are counted, the first of each rule kept.

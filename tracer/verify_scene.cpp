@@ -60,9 +60,28 @@ class AgainstScene {
     check_missing();
     for (std::uint32_t n = 0; n < scene_.nodes.size(); ++n)
       if (e_.leaves[n].node != kNone) check_record(n);
+    check_lights();
   }
 
  private:
+  void check_lights() {
+    if (image_.light_count != scene_.lights.size()) {
+      e_.recorder.add(Rule::light_bits, "the image has " + std::to_string(image_.light_count) +
+                                            " lights, but the scene has " + std::to_string(scene_.lights.size()));
+      return;
+    }
+    for (std::uint32_t l = 0; l < image_.light_count; ++l) {
+      const Light& light = scene_.lights[l];
+      const glm::vec4 expected[] = {{light.position, light.radius},
+                                    {light.has_color ? light.color : glm::vec3(0.0f), light.has_color ? 1.0f : 0.0f}};
+      for (std::uint32_t i = 0; i < kLightTexels; ++i)
+        if (!same_bits(image_.texels[light_texel(image_, l, i)], expected[i]))
+          e_.recorder.add(Rule::light_bits, light_texel(image_, l, i), l,
+                          "light " + std::to_string(l) + ": its " + (i == 0 ? "position or radius" : "colour") +
+                              " is not the scene's " + told(glm::vec3(expected[i])) + ", " + shown(expected[i].w));
+    }
+  }
+
   void check_world_scale() {
     world_exponent_ = image_.scale_exponent;
     const bool is_plain = scene_.nodes.empty();

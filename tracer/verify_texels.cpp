@@ -158,6 +158,8 @@ class Texels {
   std::uint32_t node_of(std::size_t texel) const {
     const std::size_t width = static_cast<std::size_t>(image_.width);
     const std::uint64_t unit = is_compact(image_) ? texel : texel / width / 2 * width + texel % width;
+    const std::uint64_t lights = image_.transform_start + std::uint64_t{record_units(image_)} * image_.transform_count;
+    if (unit >= lights) return static_cast<std::uint32_t>((unit - lights) / light_units(image_));
     if (unit >= image_.transform_start)
       return static_cast<std::uint32_t>((unit - image_.transform_start) / record_units(image_));
     if (unit >= image_.primitive_start) {
@@ -172,7 +174,8 @@ class Texels {
 
   /// Behind the last unit that is used.
   void check_behind() {
-    const std::uint64_t end = image_.transform_start + std::uint64_t{record_units(image_)} * image_.transform_count;
+    const std::uint64_t end = image_.transform_start + std::uint64_t{record_units(image_)} * image_.transform_count +
+                              std::uint64_t{light_units(image_)} * image_.light_count;
     for (std::uint64_t unit = end; unit < unit_count(image_); ++unit)
       for (int row = 0; row < (is_compact(image_) ? 1 : 2); ++row)
         if (!is_zero_bits(texel_at(image_, unit, row)))
