@@ -173,7 +173,7 @@ Certificate certify(const GeometryImage& image, const Scene* scene, const SceneT
   const auto start = std::chrono::steady_clock::now();
   if (threads <= 0) threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   Certificate certificate;
-  Examination e{image, scene, scene != nullptr ? tree : nullptr, threads, certificate, Recorder(image), {}, {}, {},
+  Examination e{image, scene, scene != nullptr ? tree : nullptr, threads, certificate, Recorder(image), {}, {}, {}, {},
                 {},    {}};
   if (check_metadata(e)) {
     check_links(e);

@@ -77,16 +77,15 @@ class Cover {
   void check(Recorder& recorder) {
     std::map<std::uint32_t, SharedTriangle> triangles;
     for (std::uint32_t i = 0; i < copy_.nodes.size(); ++i) {
-      if (!copy_.nodes[i].is_leaf) continue;
-      for (std::uint32_t k = copy_.nodes[i].payload; k < e_.image.primitive_count; ++k) {
+      const std::uint32_t first = copy_.nodes[i].payload;
+      if (!copy_.nodes[i].is_leaf || first >= e_.image.primitive_count) continue;
+      for (std::uint32_t k = first; k < cluster_end(e_, first); ++k) {
+        if (!e_.is_shared[k]) continue;
         const StoredPrimitive primitive = stored_primitive(e_.image, k);
-        if (e_.is_shared[k]) {
-          SharedTriangle& shared = triangles[*primitive_of_label(primitive.label)];
-          shared.triangle = primitive;
-          shared.triangle.label = std::fabs(primitive.label);
-          shared.leaves.push_back(i);
-        }
-        if (primitive.label < 0.0f) break;
+        SharedTriangle& shared = triangles[*primitive_of_label(primitive.label)];
+        shared.triangle = primitive;
+        shared.triangle.label = std::fabs(primitive.label);
+        shared.leaves.push_back(i);
       }
     }
     for (const auto& [number, shared] : triangles) check_triangle(number, shared, recorder);

@@ -96,10 +96,7 @@ class AgainstScene {
     std::vector<std::uint32_t> stored;
     for (const NodeView& node : region.copies[0].nodes) {
       if (!node.is_leaf || node.payload >= image_.primitive_count) continue;
-      for (std::uint32_t k = node.payload; k < image_.primitive_count; ++k) {
-        stored.push_back(k);
-        if (stored_primitive(image_, k).label < 0.0f) break;
-      }
+      for (std::uint32_t k = node.payload; k < cluster_end(e_, node.payload); ++k) stored.push_back(k);
     }
     std::uint32_t part = kNone;
     if (!region.from.empty()) {

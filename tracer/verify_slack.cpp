@@ -51,12 +51,11 @@ class RegionSlack {
 
  private:
   void add_cluster(std::uint32_t k, std::uint32_t& excluded) {
-    for (; k < e_.image.primitive_count; ++k) {
+    for (const std::uint32_t end = cluster_end(e_, k); k < end; ++k) {
       const StoredPrimitive p = stored_primitive(e_.image, k);
       if (e_.is_shared[k]) ++excluded;
       balls_.push_back({p.a, p.radius});
       if (p.is_triangle) balls_.push_back({p.b, 0.0f}), balls_.push_back({p.c, 0.0f});
-      if (p.label < 0.0f) break;
     }
   }
 

@@ -157,12 +157,11 @@ class Spaces {
             spaces.push_back({e_.behind[n], behind(place.map, n, padded)});
           continue;
         }
-        for (std::uint32_t k = node.payload; k < image_.primitive_count; ++k) {
+        for (std::uint32_t k = node.payload; k < cluster_end(e_, node.payload); ++k) {
           const StoredPrimitive p = stored_primitive(image_, k);
           const double pad = padded ? kLeastPadEdge * longest_edge(p) + kLeastPadRadius * radius : 0.0;
           const double miss = primitive_excess(volume, volume_radius, p, place.map, pad);
           if (!(miss <= 0.0)) return {true, primitive_of_label(p.label).value_or(kNone), miss};
-          if (p.label < 0.0f) break;
         }
       }
     }

@@ -6,6 +6,8 @@
 
 #include "scenes/error.h"
 #include "scenes/generate.h"
+#include "tracer/image_view.h"
+#include "tracer/inspect.h"
 #include "tracer/tree_test_scenes.h"
 
 namespace plumbline {
@@ -96,6 +98,23 @@ TEST_CASE("sound images of every variant pass: scenes that break builders", "[ve
       // The builder refuses some of them.
     }
   }
+}
+
+TEST_CASE("labels without signs cost no more than sound ones", "[verify]") {
+  const GeometryImage sound = bake(load_scene("grid:20000"));
+  GeometryImage image = sound;
+  for (std::uint32_t k = 0; k < image.primitive_count; ++k) {
+    float& label = image.texels[primitive_texels(image, k)[0]].w;
+    label = std::fabs(label);
+  }
+  const Certificate broken = certify(image, nullptr, nullptr, 1);
+  CHECK(broken.counts.count("label") == 1);
+  CHECK(broken.counts.count("containment") == 0);  // a leaf is not blamed for what stands below the next
+  CHECK(broken.seconds < 5.0);                     // 28 s where each leaf walks to the end of the image
+  std::size_t primitives = 0;
+  for (const InspectedNode& node : inspect_image(image).nodes)
+    if (node.is_leaf) primitives += node.primitives;
+  CHECK(primitives == image.primitive_count);
 }
 
 TEST_CASE("sound images of every variant pass: scenes with transforms", "[verify]") {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "tracer/sphere_tree.h"
 #include "tracer/verify_examination.h"
 
 namespace plumbline {
@@ -16,6 +17,7 @@ class Clusters {
 
   void check() {
     find_starts();
+    find_ends();
     for (std::uint32_t k = 0; k < image_.primitive_count; ++k) check_primitive(k);
     check_repeats();
   }
@@ -43,6 +45,30 @@ class Clusters {
               "node " + std::to_string(i) + " leads to " + named(k) + ", to which another leaf leads already");
       }
     }
+  }
+
+  void find_ends() {
+    std::vector<bool> starts(image_.primitive_count, false), is_shared(image_.primitive_count, false);
+    // Copies may lead to others where the image is broken. What several leaves of one copy lead to is reported.
+    for (std::uint32_t c = 0; c < image_.copy_count; ++c) {
+      std::vector<bool> seen(image_.primitive_count, false);
+      for (const RegionView& region : e_.regions) {
+        if (c >= region.copies.size()) continue;
+        for (const NodeView& node : region.copies[c].nodes) {
+          if (!node.is_leaf || node.payload >= image_.primitive_count) continue;
+          if (seen[node.payload]) is_shared[node.payload] = true;
+          seen[node.payload] = starts[node.payload] = true;
+        }
+      }
+    }
+    e_.cluster_ends.assign(image_.primitive_count, image_.primitive_count);
+    for (std::uint32_t k = image_.primitive_count; k-- > 0;) {
+      const bool ends = k + 1 == image_.primitive_count || starts[k + 1] || label(k) < 0.0f;
+      e_.cluster_ends[k] = ends ? k + 1 : e_.cluster_ends[k + 1];
+    }
+    // Many leaves that lead to one long cluster would each walk all of it.
+    for (std::uint32_t k = 0; k < image_.primitive_count; ++k)
+      if (is_shared[k]) e_.cluster_ends[k] = std::min(e_.cluster_ends[k], k + static_cast<std::uint32_t>(kMaxLeafSize));
   }
 
   void check_primitive(std::uint32_t k) {
