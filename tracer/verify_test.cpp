@@ -100,6 +100,48 @@ TEST_CASE("sound images of every variant pass: scenes that break builders", "[ve
   }
 }
 
+TEST_CASE("numbers of spheres are judged once each", "[verify]") {
+  Scene scene;
+  scene.name = "two_spheres";
+  scene.materials.resize(1);
+  scene.spheres = {{{0, 0, 0}, 1.0f, 0}, {{1e-40f, 0, 1}, 3.0f, 0}};
+  for (const Layout layout : {Layout::compact, Layout::paper}) {
+    BakeOptions options;
+    options.layout = layout, options.width = 16;
+    CHECK(certify(bake(scene, options)).denormals == 1);
+    Scene tiny = scene;
+    tiny.spheres = {{{0, 0, 0}, 1.0f, 0}, {{0, 0, 1}, 1e-40f, 0}};
+    const GeometryImage small = bake(tiny, options);
+    const SceneTree tree = build_scene_tree(tiny, options.tree);
+    INFO(listed(certify(small, &tiny, &tree)));
+    CHECK(certify(small).is_sound());
+    CHECK(certify(small, &tiny, &tree).is_sound());
+    // A scene that has no such radius does not allow it.
+    tiny.spheres[1].radius = 0.5f;
+    CHECK(certify(small, &tiny).counts.at("texel_denormal") == 1);
+
+    GeometryImage broken = bake(scene, options);
+    const auto radius_at = [&](std::uint32_t k) -> glm::vec4& { return broken.texels[primitive_texels(broken, k)[1]]; };
+    radius_at(0).x = -1.0f;
+    CHECK(certify(broken).counts.at("label") == 1);
+    CHECK(certify(broken).counts.count("texel_denormal") == 0);
+    radius_at(0).x = 0.0f;
+    CHECK(certify(broken).counts.at("texel_denormal") == 1);
+    broken = bake(scene, options);
+    radius_at(0).y = 1.0f;
+    CHECK(certify(broken).counts.at("texel_unused") == 1);
+  }
+  // Beside triangles, a sphere has a texel to spare.
+  const GeometryImage sound = bake(random_scene(1, 4, 4));
+  REQUIRE(certify(sound).is_sound());
+  for (std::uint32_t k = 0; k < sound.primitive_count; ++k) {
+    if (stored_primitive(sound, k).is_triangle) continue;
+    GeometryImage broken = sound;
+    broken.texels[primitive_texels(broken, k)[2]].x = 1.0f;
+    CHECK(certify(broken).counts.at("texel_unused") == 1);
+  }
+}
+
 TEST_CASE("labels without signs cost no more than sound ones", "[verify]") {
   const GeometryImage sound = bake(load_scene("grid:20000"));
   GeometryImage image = sound;

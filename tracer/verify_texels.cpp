@@ -146,7 +146,10 @@ bool has_denormal(const glm::vec3& v) { return is_denormal(v.x) || is_denormal(v
 
 class Texels {
  public:
-  explicit Texels(Examination& e) : e_(e), image_(e.image) {}
+  explicit Texels(Examination& e) : e_(e), image_(e.image) {
+    for (std::size_t r = 0; r < e.regions.size(); ++r) region_starts_.emplace_back(e.regions[r].start, r);
+    std::sort(region_starts_.begin(), region_starts_.end());
+  }
 
   void check() {
     check_finite();
@@ -190,10 +193,12 @@ class Texels {
       const auto k = static_cast<std::uint32_t>((unit - image_.primitive_start) / image_.primitive_stride);
       return primitive_of_label(stored_primitive(image_, k).label).value_or(kNone);
     }
-    for (const RegionView& region : e_.regions)
-      if (unit >= region.start && unit < region.start + std::uint64_t{region.copy_size} * image_.copy_count)
-        return static_cast<std::uint32_t>((unit - region.start) % region.copy_size / node_units(image_));
-    return kNone;
+    const auto behind =
+        std::upper_bound(region_starts_.begin(), region_starts_.end(), std::pair(unit, e_.regions.size()));
+    if (behind == region_starts_.begin()) return kNone;
+    const RegionView& region = e_.regions[std::prev(behind)->second];
+    if (unit >= region.start + std::uint64_t{region.copy_size} * image_.copy_count) return kNone;
+    return static_cast<std::uint32_t>((unit - region.start) % region.copy_size / node_units(image_));
   }
 
   /// Behind the last unit that is used.
@@ -223,32 +228,30 @@ class Texels {
       note_scale(primitive.a);
       if (!(primitive.radius >= 0.0f))
         find(Rule::label, at[1], number, "a sphere's radius is " + shown(primitive.radius));
-      if (at[2] != at[1])
-        for (int i = 0; i < 4; ++i) demand_zero(p2[i], at[2], number, "P2 of a sphere");
-      note_scale(primitive.a);
-      if (!(primitive.radius >= 0.0f))
-        find(Rule::label, at[1], number, "a sphere's radius is " + shown(primitive.radius));
-      if (at[2] != at[1])
-        for (int i = 0; i < 4; ++i) demand_zero(p2[i], at[2], number, "P2 of a sphere");
-      note_scale(primitive.a);
-      if (!(primitive.radius >= 0.0f))
-        find(Rule::label, at[1], number, "a sphere's radius is " + shown(primitive.radius));
-      if (at[2] != at[1])
-        for (int i = 0; i < 4; ++i) demand_zero(p2[i], at[2], number, "P2 of a sphere");
-      note_scale(primitive.a);
-      if (is_denormal(primitive.radius)) find(Rule::texel_denormal, at[1], number, "the sphere's radius is denormal");
-      if (!(primitive.radius > 0.0f)) find(Rule::texel_denormal, at[1], number, "the sphere's radius is not above 0");
+      if (primitive.radius == 0.0f)
+        find(Rule::texel_denormal, at[1], number, "the sphere's radius is 0: it was too small for a float");
     }
     if (!is_compact(image_) && image_.primitive_stride == 2)
       for (int i = 0; i < 4; ++i)
         demand_zero(texel_at(image_, primitive_unit(image_, k) + 1, 1)[i], at[1], number, "the texel below P1");
   }
 
+  /// A radius that is denormal in the scene already is legal, one that bringing the scene to scale made so is not.
   void check_radius(std::uint32_t k) {
     const StoredPrimitive primitive = stored_primitive(image_, k);
-    if (is_denormal(primitive.radius) && least_ > kSmall)
-      find(Rule::texel_denormal, primitive_texels(image_, k)[1], primitive_of_label(primitive.label).value_or(kNone),
-           "the sphere's radius is denormal, and no coordinate of a primitive is that small");
+    if (!is_denormal(primitive.radius) || least_ <= kSmall) return;
+    const std::uint32_t number = primitive_of_label(primitive.label).value_or(kNone);
+    if (!scene_allows_radius(number))
+      find(Rule::texel_denormal, primitive_texels(image_, k)[1], number,
+           "the sphere's radius is denormal, and neither the scene's nor a coordinate of a primitive is that small");
+  }
+
+  /// Without the scene: whether it may be so, for the world at the scene's own scale or a larger one. Of the spaces of
+  /// parts the image does not tell the scale.
+  bool scene_allows_radius(std::uint32_t number) const {
+    if (e_.scene == nullptr) return image_.scale_exponent >= 0;
+    return number < e_.scene->primitive_count() && !e_.scene->is_triangle(number) &&
+           is_denormal(e_.scene->sphere(number).radius);
   }
 
   /// Coordinates as small as the scene has them are legal.
@@ -303,7 +306,8 @@ class Texels {
 
   Examination& e_;
   const GeometryImage& image_;
-  float least_ = std::numeric_limits<float>::max();  ///< of the primitives' coordinates that are not 0
+  std::vector<std::pair<std::uint64_t, std::size_t>> region_starts_;  ///< ascending, with the region's number
+  float least_ = std::numeric_limits<float>::max();                   ///< of the primitives' coordinates that are not 0
 };
 
 }  // namespace
