@@ -2,6 +2,7 @@
 // How much larger the nodes' spheres are than they would have to be.
 #include <algorithm>
 
+#include "tracer/inspect_figures.h"
 #include "tracer/miniball.h"
 #include "tracer/tree_split.h"
 #include "tracer/verify_examination.h"
@@ -99,10 +100,8 @@ void measure_slack(Examination& e) {
     for (const double ratio : node_slack(e, region))
       if (ratio > 0.0) ratios.push_back(ratio);
   if (ratios.empty()) return;
-  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
-  std::nth_element(ratios.begin(), middle, ratios.end());
-  const auto [least, most] = std::minmax_element(ratios.begin(), ratios.end());
-  e.certificate.slack = {*least, *middle, *most, ratios.size()};
+  const Summary summary = summarize_values(std::move(ratios));
+  e.certificate.slack = {summary.min, summary.median, summary.max, summary.count};
 }
 
 }  // namespace plumbline
