@@ -158,6 +158,7 @@ void check_bounds(Examination& e) {
   if (e.certificate.depth > kMaxJudgedDepth) {
     e.recorder.add(Rule::containment,
                    "nodes stand " + std::to_string(e.certificate.depth) + " deep, so their bounds are not looked at");
+    leave_undecided(e, {Rule::containment, Rule::padding});
     return;
   }
   for (const RegionView& region : e.regions)

@@ -3,6 +3,7 @@
 // own.
 #pragma once
 
+#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -123,6 +124,9 @@ inline std::uint32_t cluster_end(const Examination& e, std::uint32_t payload) { 
 
 /// Of each node the one around it; kNone: a root. verify_links.cpp
 std::vector<std::uint32_t> parents_of(const CopyView& copy);
+
+/// Notes rules as not decided in Certificate::undecided.
+void leave_undecided(const Examination& e, std::initializer_list<Rule> rules);
 
 // The parts, in their order.
 

@@ -48,6 +48,7 @@ class AgainstScene {
       e_.recorder.add(Rule::metadata, "the image has " + std::to_string(image_.transform_count) +
                                           " transforms, but the scene has " + std::to_string(scene_.nodes.size()) +
                                           " nodes");
+      leave_undecided(e_, {Rule::primitive_bits, Rule::primitive_missing, Rule::matrix_bits});
       return;
     }
     check_world_scale();

@@ -8,6 +8,7 @@
 #include "scenes/generate.h"
 #include "tracer/image_view.h"
 #include "tracer/inspect.h"
+#include "tracer/inspect_figures.h"
 #include "tracer/tree_test_scenes.h"
 
 namespace plumbline {
@@ -114,7 +115,7 @@ TEST_CASE("numbers of spheres are judged once each", "[verify]") {
     const GeometryImage small = bake(tiny, options);
     const SceneTree tree = build_scene_tree(tiny, options.tree);
     INFO(listed(certify(small, &tiny, &tree)));
-    CHECK(certify(small).is_sound());
+    CHECK(certify(small).counts == std::map<std::string, std::uint64_t>{{"texel_denormal", 1}});  // nobody to ask
     CHECK(certify(small, &tiny, &tree).is_sound());
     // A scene that has no such radius does not allow it.
     tiny.spheres[1].radius = 0.5f;
@@ -139,6 +140,86 @@ TEST_CASE("numbers of spheres are judged once each", "[verify]") {
     GeometryImage broken = sound;
     broken.texels[primitive_texels(broken, k)[2]].x = 1.0f;
     CHECK(certify(broken).counts.at("texel_unused") == 1);
+  }
+}
+
+TEST_CASE("a texel that is no number names its node", "[verify]") {
+  const GeometryImage sound = bake(load_scene("nested"));
+  const InspectedImage inspected = inspect_image(sound);
+  REQUIRE(inspected.regions.size() > 2);
+  for (const InspectedNode& node : inspected.nodes) {
+    GeometryImage image = sound;
+    image.texels[unit_texel(image, node.unit)].y = std::nanf("");
+    const Certificate broken = certify(image);
+    const auto found = std::find_if(broken.findings.begin(), broken.findings.end(),
+                                    [](const Finding& f) { return f.rule == "texel_nan"; });
+    REQUIRE(found != broken.findings.end());
+    CHECK(found->node == node.number);
+  }
+}
+
+TEST_CASE("what is not decided is told", "[verify]") {
+  const Scene scene = load_scene("nested");
+  const GeometryImage sound = bake(scene);
+  CHECK(certify(sound, &scene).undecided.empty());
+  // Two leaves that lead to one transform: nothing behind transforms is looked at.
+  const InspectedImage inspected = inspect_image(sound);
+  std::vector<InspectedNode> leaves;
+  for (const InspectedNode& node : inspected.nodes) {
+    if (node.transform == kNone) continue;
+    if (leaves.size() == 1 && leaves[0].region != node.region) leaves.clear();
+    if (leaves.size() < 2) leaves.push_back(node);
+  }
+  REQUIRE(leaves.size() >= 2);
+  GeometryImage image = sound;
+  image.texels[leaves[1].unit].w = image.texels[leaves[0].unit].w;
+  CHECK(certify(image).undecided == std::set<std::string>{"ball", "containment", "padding"});
+  // Sizes that do not fit: nothing else is.
+  image = sound;
+  ++image.transform_start;
+  CHECK(certify(image).undecided.size() == 18);
+  CHECK(certify(image, &scene).undecided.size() == 21);
+  // Another scene's primitives are not compared.
+  const Scene other = load_scene("cube");
+  CHECK(certify(sound, &other).undecided.count("primitive_bits") == 1);
+}
+
+TEST_CASE("a triangle that takes too long to look at is not said to stick out", "[verify]") {
+  // Two boxes cover it, but share so little that only tiny pieces lie in one of them.
+  TreeOptions tree;
+  tree.split_long = 0.3f, tree.leaf_size = 1;
+  BakeOptions options;
+  options.bounds = Bounds::aabb, options.links = Links::threaded, options.width = 16, options.tree = tree;
+  GeometryImage image = bake(random_scene(3, 100, 0, 1.0f), options);
+  REQUIRE(certify(image).split_triangles > 0);
+  std::set<float> seen;
+  const float reach = 4.0f * (image.radius + glm::length(image.center));
+  for (const InspectedNode& node : inspect_image(image).nodes) {
+    glm::vec4 &lower = image.texels[node.unit], &upper = image.texels[node.unit + 1];
+    lower = glm::vec4(glm::vec3(-reach), lower.w), upper = glm::vec4(glm::vec3(reach), upper.w);
+    if (!node.is_leaf) continue;
+    const StoredPrimitive p = stored_primitive(image, node.cluster);
+    const float left = std::min({p.a.x, p.b.x, p.c.x}), size = std::max({p.a.x, p.b.x, p.c.x}) - left;
+    if (size < 0.5f * image.radius) continue;
+    const bool is_first = seen.insert(std::fabs(p.label)).second;
+    (is_first ? upper.x : lower.x) = left + size * (is_first ? 0.33335f : 0.33325f);
+  }
+  const Certificate certificate = certify(image);
+  INFO(listed(certificate));
+  std::size_t undecided = 0;
+  for (const Finding& finding : certificate.findings)
+    undecided += finding.message.find("is not decided") != std::string::npos;
+  CHECK(undecided > 0);
+  CHECK(certificate.undecided == std::set<std::string>{"containment", "padding"});
+}
+
+TEST_CASE("the certificate's slack is that of the figures", "[verify]") {
+  for (const char* name : {"creature", "tetra", "sphereflake:2"}) {
+    const GeometryImage image = bake(load_scene(name));
+    const Summary slack = figures_of(image, inspect_image(image)).slack;
+    const Certificate certificate = certify(image);
+    CHECK(certificate.slack.count == slack.count);
+    CHECK(certificate.slack.median == slack.median);
   }
 }
 

@@ -68,7 +68,10 @@ class Clusters {
     }
     // Many leaves that lead to one long cluster would each walk all of it.
     for (std::uint32_t k = 0; k < image_.primitive_count; ++k)
-      if (is_shared[k]) e_.cluster_ends[k] = std::min(e_.cluster_ends[k], k + static_cast<std::uint32_t>(kMaxLeafSize));
+      if (is_shared[k] && e_.cluster_ends[k] - k > static_cast<std::uint32_t>(kMaxLeafSize)) {
+        e_.cluster_ends[k] = k + static_cast<std::uint32_t>(kMaxLeafSize);
+        leave_undecided(e_, {Rule::containment, Rule::padding, Rule::ball});
+      }
   }
 
   void check_primitive(std::uint32_t k) {
@@ -236,21 +239,19 @@ class Texels {
         demand_zero(texel_at(image_, primitive_unit(image_, k) + 1, 1)[i], at[1], number, "the texel below P1");
   }
 
-  /// A radius that is denormal in the scene already is legal, one that bringing the scene to scale made so is not.
+  /// A radius that is denormal in the scene already is legal, one that bringing the scene to scale made so is not. The
+  /// image alone does not tell which it is: without the scene it is found.
   void check_radius(std::uint32_t k) {
     const StoredPrimitive primitive = stored_primitive(image_, k);
     if (!is_denormal(primitive.radius) || least_ <= kSmall) return;
     const std::uint32_t number = primitive_of_label(primitive.label).value_or(kNone);
     if (!scene_allows_radius(number))
       find(Rule::texel_denormal, primitive_texels(image_, k)[1], number,
-           "the sphere's radius is denormal, and neither the scene's nor a coordinate of a primitive is that small");
+           "the sphere's radius is denormal, and no coordinate of a primitive is that small");
   }
 
-  /// Without the scene: whether it may be so, for the world at the scene's own scale or a larger one. Of the spaces of
-  /// parts the image does not tell the scale.
   bool scene_allows_radius(std::uint32_t number) const {
-    if (e_.scene == nullptr) return image_.scale_exponent >= 0;
-    return number < e_.scene->primitive_count() && !e_.scene->is_triangle(number) &&
+    return e_.scene != nullptr && number < e_.scene->primitive_count() && !e_.scene->is_triangle(number) &&
            is_denormal(e_.scene->sphere(number).radius);
   }
 
