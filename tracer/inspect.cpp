@@ -94,7 +94,7 @@ class Reader {
     node.is_leaf = view.is_leaf;
     if (view.is_leaf && view.payload < image_.primitive_count) {
       node.cluster = view.payload;
-      node.primitives = cluster_size(view.payload);
+      node.primitives = cluster_end(e_, view.payload) - view.payload;
     } else if (view.is_leaf && view.payload != kNone) {
       node.transform = view.payload - image_.primitive_count;
     }
@@ -103,12 +103,6 @@ class Reader {
                                      : std::sqrt(static_cast<double>(node.volume.radius2));
     node.chance = chance_in(region, node.volume);
     out_.nodes.push_back(node);
-  }
-
-  std::uint32_t cluster_size(std::uint32_t first) const {
-    std::uint32_t k = first;
-    while (k + 1 < image_.primitive_count && !(texel_at(image_, primitive_unit(image_, k)).w < 0.0f)) ++k;
-    return k + 1 - first;
   }
 
   /// What depends on the nodes below.
@@ -134,7 +128,7 @@ class Reader {
 InspectedImage inspect_image(const GeometryImage& image, int threads) {
   if (threads <= 0) threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   Certificate certificate;
-  Examination e{image, nullptr, nullptr, threads, certificate, Recorder(image), {}, {}, {}, {}, {}};
+  Examination e{image, nullptr, nullptr, threads, certificate, Recorder(image), {}, {}, {}, {}, {}, {}};
   InspectedImage inspected;
   const bool is_readable = check_metadata(e);
   if (is_readable) check_links(e);

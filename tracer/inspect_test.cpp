@@ -131,6 +131,12 @@ TEST_CASE("inspect: volumes that siblings share, in closed form") {
   const std::vector<Volume> three(3, box({0, 0, 0}, {1, 1, 1}));
   CHECK(sibling_overlap(box({0, 0, 0}, {2, 2, 2}), three) == 3.0 / 8.0);
   CHECK(std::isnan(sibling_overlap(ball({0, 0, 0}, 0), {})));
+  // Many children: a row in which each shares half of itself with the next, and a heap that is too much to look at.
+  std::vector<Volume> row, heap(100000, box({0, 0, 0}, {1, 1, 1}));
+  CHECK(std::isnan(sibling_overlap(box({0, 0, 0}, {1, 1, 1}), heap)));
+  for (int i = 100000; i-- > 0;)
+    row.push_back(box({static_cast<float>(i), 0, 0}, {static_cast<float>(i) + 1.5f, 1, 1}));
+  CHECK(sibling_overlap(box({0, 0, 0}, {100000, 1, 1}), row) == 99999 * 0.5 / 100000);
 }
 
 TEST_CASE("inspect: the overlap of two balls in a tree") {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <tuple>
+#include <vector>
 
 namespace plumbline {
 namespace {
@@ -40,9 +42,34 @@ double shared_volume(const Volume& a, const Volume& b) {
 double sibling_overlap(const Volume& parent, std::span<const Volume> children) {
   const double whole = volume_of(parent);
   if (!(whole > 0.0)) return std::numeric_limits<double>::quiet_NaN();
+  constexpr std::size_t kPairsPerChild = 256;
   double shared = 0.0;
-  for (std::size_t i = 0; i < children.size(); ++i)
-    for (std::size_t j = 0; j < i; ++j) shared += shared_volume(children[i], children[j]);
+  if (children.size() <= kPairsPerChild) {
+    for (std::size_t i = 0; i < children.size(); ++i)
+      for (std::size_t j = 0; j < i; ++j) shared += shared_volume(children[i], children[j]);
+    return shared / whole;
+  }
+  // Along the x axis: each with those that begin before it ends.
+  struct Extent {
+    double begin, end;
+    std::size_t child;
+  };
+  std::vector<Extent> extents;
+  for (std::size_t i = 0; i < children.size(); ++i) {
+    const Volume& v = children[i];
+    const double center = v.center.x, begin = v.is_box ? v.lower.x : center - radius_of(v),
+                 end = v.is_box ? v.upper.x : center + radius_of(v);
+    if (!(begin <= end)) return std::numeric_limits<double>::quiet_NaN();
+    extents.push_back({begin, end, i});
+  }
+  std::sort(extents.begin(), extents.end(),
+            [](const Extent& a, const Extent& b) { return std::tie(a.begin, a.child) < std::tie(b.begin, b.child); });
+  std::size_t pairs_left = kPairsPerChild * children.size();
+  for (std::size_t i = 0; i < extents.size(); ++i)
+    for (std::size_t j = i + 1; j < extents.size() && extents[j].begin <= extents[i].end; ++j) {
+      if (pairs_left-- == 0) return std::numeric_limits<double>::quiet_NaN();
+      shared += shared_volume(children[extents[i].child], children[extents[j].child]);
+    }
   return shared / whole;
 }
 

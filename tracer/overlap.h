@@ -16,7 +16,8 @@ double volume_of(const Volume& volume);
 double shared_volume(const Volume& a, const Volume& b);
 
 /// The sum of what every two of the children share, over the parent's volume: 0 where they are apart, and more than 1
-/// where many lie upon one another. NaN for a parent without volume.
+/// where many lie upon one another. NaN for a parent without volume, and where there are more than 256 children and too
+/// many pairs of them to look at: more than 256 for each child have a part of the x axis in common.
 double sibling_overlap(const Volume& parent, std::span<const Volume> children);
 
 }  // namespace plumbline

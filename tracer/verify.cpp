@@ -81,6 +81,10 @@ std::string shown(double value) {
   return buffer;
 }
 
+void leave_undecided(const Examination& e, std::initializer_list<Rule> rules) {
+  for (const Rule rule : rules) e.certificate.undecided.emplace(kRules[static_cast<std::size_t>(rule)].name);
+}
+
 std::uint64_t Recorder::rule_count(Rule rule) const {
   const auto at = static_cast<std::size_t>(rule);
   return at < counts_.size() ? counts_[at] : 0;
@@ -178,7 +182,7 @@ Certificate certify(const GeometryImage& image, const Scene* scene, const SceneT
   const auto start = std::chrono::steady_clock::now();
   if (threads <= 0) threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   Certificate certificate;
-  Examination e{image, scene, scene != nullptr ? tree : nullptr, threads, certificate, Recorder(image), {}, {}, {},
+  Examination e{image, scene, scene != nullptr ? tree : nullptr, threads, certificate, Recorder(image), {}, {}, {}, {},
                 {},    {}};
   if (check_metadata(e)) {
     check_links(e);
@@ -191,6 +195,12 @@ Certificate certify(const GeometryImage& image, const Scene* scene, const SceneT
     if (e.scene != nullptr) check_scene(e);
     if (e.tree != nullptr) check_tree(e);
     measure_slack(e);
+  } else {
+    for (const VerifyRule& rule : kRules)
+      if (rule.needs == Needs::image   ? rule.name != "metadata"
+          : rule.needs == Needs::scene ? e.scene != nullptr
+                                       : e.tree != nullptr)
+        certificate.undecided.emplace(rule.name);
   }
   e.recorder.finish(certificate);
   certificate.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -44,7 +45,11 @@ struct Certificate {
   /// By rule, then in the order of the image; at most kMaxFindings of each rule.
   std::vector<Finding> findings;
   std::map<std::string, std::uint64_t> counts;  ///< findings of each rule that has any, those not kept too
-  std::uint64_t longest_walk = 0;               ///< nodes visited at most; traversal ends after so many
+  /// Rules that could not be decided, in whole or in part: what they need is broken, or work would have had no end.
+  /// Why stands in a finding, of one of them or of the rule that is broken. Rules that need a scene or a tree that was
+  /// not given are not among them.
+  std::set<std::string> undecided;
+  std::uint64_t longest_walk = 0;  ///< nodes visited at most; traversal ends after so many
   std::size_t regions = 0, nodes = 0, leaves = 0, transforms = 0, primitives = 0;  ///< of one copy of each region
   std::size_t depth = 0;            ///< nodes above one another in one region, at most
   std::size_t split_triangles = 0;  ///< that stand in several leaves, which together cover them

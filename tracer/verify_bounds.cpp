@@ -71,11 +71,10 @@ class CopyBounds {
 
  private:
   void check_leaf(std::uint32_t leaf, std::map<std::uint32_t, Failure>& failures) const {
-    for (std::uint32_t k = copy_.nodes[leaf].payload; k < image_.primitive_count; ++k) {
-      const StoredPrimitive primitive = stored_primitive(image_, k);
-      if (!e_.is_shared[k]) check_primitive(primitive, leaf, failures);  // parts of a triangle: check_split_triangles
-      if (primitive.label < 0.0f) break;
-    }
+    const std::uint32_t first = copy_.nodes[leaf].payload;
+    for (std::uint32_t k = first; k < cluster_end(e_, first); ++k)
+      if (!e_.is_shared[k])  // parts of a triangle: check_split_triangles
+        check_primitive(stored_primitive(image_, k), leaf, failures);
   }
 
   void check_primitive(const StoredPrimitive& p, std::uint32_t leaf, std::map<std::uint32_t, Failure>& failures) const {
@@ -159,6 +158,7 @@ void check_bounds(Examination& e) {
   if (e.certificate.depth > kMaxJudgedDepth) {
     e.recorder.add(Rule::containment,
                    "nodes stand " + std::to_string(e.certificate.depth) + " deep, so their bounds are not looked at");
+    leave_undecided(e, {Rule::containment, Rule::padding});
     return;
   }
   for (const RegionView& region : e.regions)

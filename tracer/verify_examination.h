@@ -3,6 +3,7 @@
 // own.
 #pragma once
 
+#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -107,6 +108,9 @@ struct Examination {
   std::vector<std::uint32_t> inner_first;  ///< regions such that those behind a region's transforms stand before it;
                                            ///< empty where transforms lead in circles
   std::vector<bool> is_shared;             ///< of each stored primitive: it is a triangle that is stored more than once
+  /// Of each stored primitive: where its cluster ends. It does before a primitive to which a leaf leads, too, whatever
+  /// the labels say, so that all clusters together are no longer than the primitives. check_clusters() fills it.
+  std::vector<std::uint32_t> cluster_ends;
 };
 
 inline std::uint32_t node_unit(const Examination& e, const CopyView& copy, std::uint32_t node) {
@@ -116,8 +120,14 @@ inline std::size_t node_texel(const Examination& e, const CopyView& copy, std::u
   return unit_texel(e.image, node_unit(e, copy, node));
 }
 
+/// Behind the last primitive of a leaf's cluster. Every loop over clusters ends here.
+inline std::uint32_t cluster_end(const Examination& e, std::uint32_t payload) { return e.cluster_ends[payload]; }
+
 /// Of each node the one around it; kNone: a root. verify_links.cpp
 std::vector<std::uint32_t> parents_of(const CopyView& copy);
+
+/// Notes rules as not decided in Certificate::undecided.
+void leave_undecided(const Examination& e, std::initializer_list<Rule> rules);
 
 // The parts, in their order.
 

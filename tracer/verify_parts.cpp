@@ -58,6 +58,9 @@ struct SharedTriangle {
   std::vector<std::uint32_t> leaves;
 };
 
+/// What is said of a triangle.
+enum class Covered { yes, no, not_decided };
+
 /// A volume that fails to hold a piece, and by how much.
 struct Failing {
   std::uint32_t node = kNone;
@@ -72,21 +75,21 @@ class Cover {
         radius_(region_radius(e, region)),
         parent_(parents_of(copy)),
         above_(copy.nodes.size(), 0.0f),
-        visits_left_(kVisitsAtLeast + kVisitsPerNode * copy.nodes.size()) {}
+        visits_left_(kVisitsAtLeast + kVisitsPerNode * copy.nodes.size()),
+        blame_left_(kVisitsAtLeast) {}
 
   void check(Recorder& recorder) {
     std::map<std::uint32_t, SharedTriangle> triangles;
     for (std::uint32_t i = 0; i < copy_.nodes.size(); ++i) {
-      if (!copy_.nodes[i].is_leaf) continue;
-      for (std::uint32_t k = copy_.nodes[i].payload; k < e_.image.primitive_count; ++k) {
+      const std::uint32_t first = copy_.nodes[i].payload;
+      if (!copy_.nodes[i].is_leaf || first >= e_.image.primitive_count) continue;
+      for (std::uint32_t k = first; k < cluster_end(e_, first); ++k) {
+        if (!e_.is_shared[k]) continue;
         const StoredPrimitive primitive = stored_primitive(e_.image, k);
-        if (e_.is_shared[k]) {
-          SharedTriangle& shared = triangles[*primitive_of_label(primitive.label)];
-          shared.triangle = primitive;
-          shared.triangle.label = std::fabs(primitive.label);
-          shared.leaves.push_back(i);
-        }
-        if (primitive.label < 0.0f) break;
+        SharedTriangle& shared = triangles[*primitive_of_label(primitive.label)];
+        shared.triangle = primitive;
+        shared.triangle.label = std::fabs(primitive.label);
+        shared.leaves.push_back(i);
       }
     }
     for (const auto& [number, shared] : triangles) check_triangle(number, shared, recorder);
@@ -102,10 +105,20 @@ class Cover {
         above_[i] = shared.triangle.label;
     const double rounding = 0x1p-42 * largest;
     const double pad = kLeastPadEdge * longest_edge(shared.triangle) + kLeastPadRadius * radius_;
-    Failing failing = uncovered(shared, pad + rounding);
-    if (failing.node == kNone) return;
-    const Failing bare = uncovered(shared, rounding);
-    const bool sticks_out = bare.node != kNone;
+    Failing failing, bare;
+    const Covered padded = find_uncovered(shared, pad + rounding, failing);
+    if (padded == Covered::yes) return;
+    const Covered covered =
+        padded == Covered::not_decided ? padded : find_uncovered(shared, rounding, bare);  // without padding
+    if (covered == Covered::not_decided) {
+      leave_undecided(e_, {Rule::containment, Rule::padding});
+      const std::uint32_t leaf = shared.leaves[0];
+      return recorder.add(Rule::containment, node_texel(e_, copy_, leaf), leaf,
+                          "whether triangle " + std::to_string(number) + ", which stands in " +
+                              std::to_string(shared.leaves.size()) +
+                              " leaves, is covered by them is not decided: it takes more steps than are allowed");
+    }
+    const bool sticks_out = covered == Covered::no;
     if (sticks_out) failing = bare;
     const std::string what = "node " + std::to_string(failing.node) + ": of triangle " + std::to_string(number) +
                              ", which stands in " + std::to_string(shared.leaves.size()) + " leaves, a piece ";
@@ -117,33 +130,38 @@ class Cover {
             shown(failing.excess));
   }
 
-  /// The volume to blame where not all is covered; node kNone where all is.
-  Failing uncovered(const SharedTriangle& shared, double radius) {
+  /// Where not all is covered, `failing` is the volume to blame.
+  Covered find_uncovered(const SharedTriangle& shared, double radius, Failing& failing) {
     const Piece whole{{glm::dvec3(shared.triangle.a), glm::dvec3(shared.triangle.b), glm::dvec3(shared.triangle.c)}, 0};
     const std::size_t most = kPiecesAtLeast + kPiecesPerLeaf * shared.leaves.size();
     std::vector<Piece> waiting{whole};
     for (std::size_t pieces = 0; !waiting.empty(); ++pieces) {
       const Piece piece = std::move(waiting.back());
       waiting.pop_back();
-      if (is_held(piece, shared, radius)) continue;
+      if (is_held(piece, shared, radius, visits_left_)) continue;
       Piece low, high;
-      if (pieces >= most || visits_left_ == 0 || !cut(piece, low, high)) return blamed(whole, shared, radius);
+      if (pieces >= most || visits_left_ == 0) return Covered::not_decided;
+      if (!cut(piece, low, high)) {
+        failing = blamed(whole, piece, shared, radius);
+        return Covered::no;
+      }
       waiting.push_back(std::move(low)), waiting.push_back(std::move(high));
     }
-    return {};
+    return Covered::yes;
   }
 
   /// Of the leaves the one that would have to grow least to cover all that none covers, and the volume above it that
-  /// fails worst. What is not covered is looked at in pieces of a share of the triangle.
-  Failing blamed(const Piece& whole, const SharedTriangle& shared, double radius) {
+  /// fails worst. What is not covered is looked at in pieces of a share of the triangle; where that takes too long, it
+  /// is the first of the leaves, and what fails there to hold a piece that none holds.
+  Failing blamed(const Piece& whole, const Piece& uncovered, const SharedTriangle& shared, double radius) {
     constexpr double kShare = 1.0 / 64.0;
     constexpr std::size_t kMostPieces = 256;
     const double small = kShare * longest_side(whole);
     std::vector<Piece> waiting{whole}, open;
-    while (!waiting.empty() && open.size() < kMostPieces) {
+    while (!waiting.empty() && open.size() < kMostPieces && blame_left_ > 0) {
       const Piece piece = std::move(waiting.back());
       waiting.pop_back();
-      if (is_held(piece, shared, radius)) continue;
+      if (is_held(piece, shared, radius, blame_left_)) continue;
       Piece low, high;
       if (longest_side(piece) <= small || !cut(piece, low, high)) {
         open.push_back(piece);
@@ -154,17 +172,20 @@ class Cover {
     Failing nearest;
     for (const std::uint32_t leaf : shared.leaves) {
       Failing worst;
-      for (const Piece& piece : open)
+      for (const Piece& piece : open) {
+        if (blame_left_ == 0) break;
         if (const Failing here = failing_at(piece, leaf, radius); worst.node == kNone || here.excess > worst.excess)
           worst = here;
+      }
+      if (blame_left_ == 0 || open.empty()) return failing_at(uncovered, shared.leaves[0], radius);
       if (nearest.node == kNone || worst.excess < nearest.excess) nearest = worst;
     }
     return nearest;
   }
 
   /// Down from the roots, through volumes that hold the piece, to one of the triangle's leaves.
-  bool is_held(const Piece& piece, const SharedTriangle& shared, double radius) {
-    for (std::uint32_t i = 0; i < copy_.nodes.size() && visits_left_ > 0; --visits_left_) {
+  bool is_held(const Piece& piece, const SharedTriangle& shared, double radius, std::uint64_t& visits_left) const {
+    for (std::uint32_t i = 0; i < copy_.nodes.size() && visits_left > 0; --visits_left) {
       if (above_[i] != shared.triangle.label) {
         i = copy_.nodes[i].end;
         continue;
@@ -181,9 +202,10 @@ class Cover {
   }
 
   /// The volume above a leaf that fails worst.
-  Failing failing_at(const Piece& piece, std::uint32_t leaf, double radius) const {
+  Failing failing_at(const Piece& piece, std::uint32_t leaf, double radius) {
     Failing worst;
     for (std::uint32_t i = leaf; i != kNone; i = parent_[i]) {
+      if (blame_left_ > 0) --blame_left_;
       const Volume volume = volume_at(e_.image, node_unit(e_, copy_, i));
       const double volume_radius = std::sqrt(static_cast<double>(volume.radius2));
       for (const glm::dvec3& corner : piece.corners) {
@@ -198,8 +220,9 @@ class Cover {
   const CopyView& copy_;
   const double radius_;
   const std::vector<std::uint32_t> parent_;
-  std::vector<float> above_;  ///< of each node: the triangle that was last looked at of those that stand below it
-  std::uint64_t visits_left_;
+  std::vector<float> above_;   ///< of each node: the triangle that was last looked at of those that stand below it
+  std::uint64_t visits_left_;  ///< to decide
+  std::uint64_t blame_left_;   ///< to find whom to blame
 };
 
 }  // namespace

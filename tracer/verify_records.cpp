@@ -113,10 +113,7 @@ class Records {
     for (const NodeView& node : region.copies[0].nodes) {
       if (!node.is_leaf || node.payload >= image_.primitive_count) continue;
       first = std::min(first, node.payload);
-      for (std::uint32_t k = node.payload; k < image_.primitive_count; ++k) {
-        ++count;
-        if (stored_primitive(image_, k).label < 0.0f) break;
-      }
+      count += cluster_end(e_, node.payload) - node.payload;
     }
     return {count == 0 ? 0 : first, count};
   }

@@ -48,6 +48,7 @@ class AgainstScene {
       e_.recorder.add(Rule::metadata, "the image has " + std::to_string(image_.transform_count) +
                                           " transforms, but the scene has " + std::to_string(scene_.nodes.size()) +
                                           " nodes");
+      leave_undecided(e_, {Rule::primitive_bits, Rule::primitive_missing, Rule::matrix_bits});
       return;
     }
     check_world_scale();
@@ -115,10 +116,7 @@ class AgainstScene {
     std::vector<std::uint32_t> stored;
     for (const NodeView& node : region.copies[0].nodes) {
       if (!node.is_leaf || node.payload >= image_.primitive_count) continue;
-      for (std::uint32_t k = node.payload; k < image_.primitive_count; ++k) {
-        stored.push_back(k);
-        if (stored_primitive(image_, k).label < 0.0f) break;
-      }
+      for (std::uint32_t k = node.payload; k < cluster_end(e_, node.payload); ++k) stored.push_back(k);
     }
     std::uint32_t part = kNone;
     if (!region.from.empty()) {

@@ -2,6 +2,7 @@
 // How much larger the nodes' spheres are than they would have to be.
 #include <algorithm>
 
+#include "tracer/inspect_figures.h"
 #include "tracer/miniball.h"
 #include "tracer/tree_split.h"
 #include "tracer/verify_examination.h"
@@ -51,12 +52,11 @@ class RegionSlack {
 
  private:
   void add_cluster(std::uint32_t k, std::uint32_t& excluded) {
-    for (; k < e_.image.primitive_count; ++k) {
+    for (const std::uint32_t end = cluster_end(e_, k); k < end; ++k) {
       const StoredPrimitive p = stored_primitive(e_.image, k);
       if (e_.is_shared[k]) ++excluded;
       balls_.push_back({p.a, p.radius});
       if (p.is_triangle) balls_.push_back({p.b, 0.0f}), balls_.push_back({p.c, 0.0f});
-      if (p.label < 0.0f) break;
     }
   }
 
@@ -100,10 +100,8 @@ void measure_slack(Examination& e) {
     for (const double ratio : node_slack(e, region))
       if (ratio > 0.0) ratios.push_back(ratio);
   if (ratios.empty()) return;
-  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
-  std::nth_element(ratios.begin(), middle, ratios.end());
-  const auto [least, most] = std::minmax_element(ratios.begin(), ratios.end());
-  e.certificate.slack = {*least, *middle, *most, ratios.size()};
+  const Summary summary = summarize_values(std::move(ratios));
+  e.certificate.slack = {summary.min, summary.median, summary.max, summary.count};
 }
 
 }  // namespace plumbline

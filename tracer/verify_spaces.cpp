@@ -37,13 +37,19 @@ class Spaces {
 
   void check() {
     // Where spaces are no tree there is no end to them; that is reported already.
-    if (e_.inner_first.empty() || e_.recorder.count(Rule::visited_twice) > 0) return;
+    bool is_tree = !e_.inner_first.empty() && e_.recorder.count(Rule::visited_twice) == 0;
     for (const RegionView& region : e_.regions)
-      if (region.has_transforms && region.from.size() > 1) return;
+      if (region.has_transforms && region.from.size() > 1) is_tree = false;
+    if (!is_tree) return leave_undecided(e_, {Rule::containment, Rule::padding, Rule::ball});
     visits_left_ = kVisitsAtLeast + kVisitsPerNode * e_.certificate.nodes;
     for (std::uint32_t n = 0; n < image_.transform_count; ++n)
       if (e_.leaves[n].node != kNone && e_.behind[n] != kNone) check_leaf(n);
     check_balls();
+    if (visits_left_ > 0) return;
+    leave_undecided(e_, {Rule::containment, Rule::padding, Rule::ball});
+    e_.recorder.add(Rule::containment,
+                    "whether all that stands behind transforms lies within the volumes above is not decided: it takes "
+                    "more nodes to look at than are allowed");
   }
 
  private:
@@ -143,7 +149,7 @@ class Spaces {
       const double radius = region_radius(e_, here);
       for (std::uint32_t i = 0; i < copy.nodes.size();) {
         const NodeView& node = copy.nodes[i];
-        if (visits_left_ == 0) return {true, kNone, 0.0};
+        if (visits_left_ == 0) return {};  // not decided: check() says so
         --visits_left_;
         if (holds_node(volume, volume_radius, volume_at(image_, node_unit(e_, copy, i)), place.map)) {
           i = node.end;
@@ -157,12 +163,13 @@ class Spaces {
             spaces.push_back({e_.behind[n], behind(place.map, n, padded)});
           continue;
         }
-        for (std::uint32_t k = node.payload; k < image_.primitive_count; ++k) {
+        for (std::uint32_t k = node.payload; k < cluster_end(e_, node.payload); ++k) {
+          if (visits_left_ == 0) return {};
+          --visits_left_;
           const StoredPrimitive p = stored_primitive(image_, k);
           const double pad = padded ? kLeastPadEdge * longest_edge(p) + kLeastPadRadius * radius : 0.0;
           const double miss = primitive_excess(volume, volume_radius, p, place.map, pad);
           if (!(miss <= 0.0)) return {true, primitive_of_label(p.label).value_or(kNone), miss};
-          if (p.label < 0.0f) break;
         }
       }
     }

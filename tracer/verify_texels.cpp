@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "tracer/sphere_tree.h"
 #include "tracer/verify_examination.h"
 
 namespace plumbline {
@@ -16,6 +17,7 @@ class Clusters {
 
   void check() {
     find_starts();
+    find_ends();
     for (std::uint32_t k = 0; k < image_.primitive_count; ++k) check_primitive(k);
     check_repeats();
   }
@@ -43,6 +45,33 @@ class Clusters {
               "node " + std::to_string(i) + " leads to " + named(k) + ", to which another leaf leads already");
       }
     }
+  }
+
+  void find_ends() {
+    std::vector<bool> starts(image_.primitive_count, false), is_shared(image_.primitive_count, false);
+    // Copies may lead to others where the image is broken. What several leaves of one copy lead to is reported.
+    for (std::uint32_t c = 0; c < image_.copy_count; ++c) {
+      std::vector<bool> seen(image_.primitive_count, false);
+      for (const RegionView& region : e_.regions) {
+        if (c >= region.copies.size()) continue;
+        for (const NodeView& node : region.copies[c].nodes) {
+          if (!node.is_leaf || node.payload >= image_.primitive_count) continue;
+          if (seen[node.payload]) is_shared[node.payload] = true;
+          seen[node.payload] = starts[node.payload] = true;
+        }
+      }
+    }
+    e_.cluster_ends.assign(image_.primitive_count, image_.primitive_count);
+    for (std::uint32_t k = image_.primitive_count; k-- > 0;) {
+      const bool ends = k + 1 == image_.primitive_count || starts[k + 1] || label(k) < 0.0f;
+      e_.cluster_ends[k] = ends ? k + 1 : e_.cluster_ends[k + 1];
+    }
+    // Many leaves that lead to one long cluster would each walk all of it.
+    for (std::uint32_t k = 0; k < image_.primitive_count; ++k)
+      if (is_shared[k] && e_.cluster_ends[k] - k > static_cast<std::uint32_t>(kMaxLeafSize)) {
+        e_.cluster_ends[k] = k + static_cast<std::uint32_t>(kMaxLeafSize);
+        leave_undecided(e_, {Rule::containment, Rule::padding, Rule::ball});
+      }
   }
 
   void check_primitive(std::uint32_t k) {
@@ -120,7 +149,10 @@ bool has_denormal(const glm::vec3& v) { return is_denormal(v.x) || is_denormal(v
 
 class Texels {
  public:
-  explicit Texels(Examination& e) : e_(e), image_(e.image) {}
+  explicit Texels(Examination& e) : e_(e), image_(e.image) {
+    for (std::size_t r = 0; r < e.regions.size(); ++r) region_starts_.emplace_back(e.regions[r].start, r);
+    std::sort(region_starts_.begin(), region_starts_.end());
+  }
 
   void check() {
     check_finite();
@@ -166,10 +198,12 @@ class Texels {
       const auto k = static_cast<std::uint32_t>((unit - image_.primitive_start) / image_.primitive_stride);
       return primitive_of_label(stored_primitive(image_, k).label).value_or(kNone);
     }
-    for (const RegionView& region : e_.regions)
-      if (unit >= region.start && unit < region.start + std::uint64_t{region.copy_size} * image_.copy_count)
-        return static_cast<std::uint32_t>((unit - region.start) % region.copy_size / node_units(image_));
-    return kNone;
+    const auto behind =
+        std::upper_bound(region_starts_.begin(), region_starts_.end(), std::pair(unit, e_.regions.size()));
+    if (behind == region_starts_.begin()) return kNone;
+    const RegionView& region = e_.regions[std::prev(behind)->second];
+    if (unit >= region.start + std::uint64_t{region.copy_size} * image_.copy_count) return kNone;
+    return static_cast<std::uint32_t>((unit - region.start) % region.copy_size / node_units(image_));
   }
 
   /// Behind the last unit that is used.
@@ -200,32 +234,28 @@ class Texels {
       note_scale(primitive.a);
       if (!(primitive.radius >= 0.0f))
         find(Rule::label, at[1], number, "a sphere's radius is " + shown(primitive.radius));
-      if (at[2] != at[1])
-        for (int i = 0; i < 4; ++i) demand_zero(p2[i], at[2], number, "P2 of a sphere");
-      note_scale(primitive.a);
-      if (!(primitive.radius >= 0.0f))
-        find(Rule::label, at[1], number, "a sphere's radius is " + shown(primitive.radius));
-      if (at[2] != at[1])
-        for (int i = 0; i < 4; ++i) demand_zero(p2[i], at[2], number, "P2 of a sphere");
-      note_scale(primitive.a);
-      if (!(primitive.radius >= 0.0f))
-        find(Rule::label, at[1], number, "a sphere's radius is " + shown(primitive.radius));
-      if (at[2] != at[1])
-        for (int i = 0; i < 4; ++i) demand_zero(p2[i], at[2], number, "P2 of a sphere");
-      note_scale(primitive.a);
-      if (is_denormal(primitive.radius)) find(Rule::texel_denormal, at[1], number, "the sphere's radius is denormal");
-      if (!(primitive.radius > 0.0f)) find(Rule::texel_denormal, at[1], number, "the sphere's radius is not above 0");
+      if (primitive.radius == 0.0f)
+        find(Rule::texel_denormal, at[1], number, "the sphere's radius is 0: it was too small for a float");
     }
     if (!is_compact(image_) && image_.primitive_stride == 2)
       for (int i = 0; i < 4; ++i)
         demand_zero(texel_at(image_, primitive_unit(image_, k) + 1, 1)[i], at[1], number, "the texel below P1");
   }
 
+  /// A radius that is denormal in the scene already is legal, one that bringing the scene to scale made so is not. The
+  /// image alone does not tell which it is: without the scene it is found.
   void check_radius(std::uint32_t k) {
     const StoredPrimitive primitive = stored_primitive(image_, k);
-    if (is_denormal(primitive.radius) && least_ > kSmall)
-      find(Rule::texel_denormal, primitive_texels(image_, k)[1], primitive_of_label(primitive.label).value_or(kNone),
+    if (!is_denormal(primitive.radius) || least_ <= kSmall) return;
+    const std::uint32_t number = primitive_of_label(primitive.label).value_or(kNone);
+    if (!scene_allows_radius(number))
+      find(Rule::texel_denormal, primitive_texels(image_, k)[1], number,
            "the sphere's radius is denormal, and no coordinate of a primitive is that small");
+  }
+
+  bool scene_allows_radius(std::uint32_t number) const {
+    return e_.scene != nullptr && number < e_.scene->primitive_count() && !e_.scene->is_triangle(number) &&
+           is_denormal(e_.scene->sphere(number).radius);
   }
 
   /// Coordinates as small as the scene has them are legal.
@@ -280,7 +310,8 @@ class Texels {
 
   Examination& e_;
   const GeometryImage& image_;
-  float least_ = std::numeric_limits<float>::max();  ///< of the primitives' coordinates that are not 0
+  std::vector<std::pair<std::uint64_t, std::size_t>> region_starts_;  ///< ascending, with the region's number
+  float least_ = std::numeric_limits<float>::max();                   ///< of the primitives' coordinates that are not 0
 };
 
 }  // namespace

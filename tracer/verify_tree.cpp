@@ -104,8 +104,10 @@ void check_tree(Examination& e) {
   const SceneTree& tree = *e.tree;
   const Scene& scene = *e.scene;
   if (tree.groups.size() != scene.nodes.size() + 1 || tree.parts.size() != scene.parts.size() ||
-      e.image.transform_count != scene.nodes.size())
-    return;  // check_scene has said so
+      e.image.transform_count != scene.nodes.size()) {
+    leave_undecided(e, {Rule::thread});  // check_scene has said so
+    return;
+  }
   // Where each part's primitives start: they are stored in the order of their trees.
   std::vector<std::uint32_t> first{0};
   first.push_back(static_cast<std::uint32_t>(tree.world.references.size()));
