@@ -177,7 +177,8 @@ Explanation Examiner::explain(const Ray& ray, std::size_t most_events) {
                      : ExpectedHit{};
   if (e.expected.primitive != kNone) e.loss = lost_at(*examined_.image, e.walk, e.expected, examined_.sound);
   if (e.is_wrong)
-    e.layer = layer_of({examined_.image, &e.walk, e.loss ? &*e.loss : nullptr, e.tracer, brute_same, e.expected});
+    e.layer = layer_of(
+        {examined_.image, examined_.sound, &e.walk, e.loss ? &*e.loss : nullptr, e.tracer, brute_same, e.expected});
   e.sentence = sentence_of(*examined_.image, e);
   return e;
 }

@@ -15,6 +15,7 @@ std::string_view name_of(Layer layer);  ///< "tree", "primitive arithmetic"; emp
 /// What the layer is told from.
 struct LayerEvidence {
   const GeometryImage* image = nullptr;
+  const GeometryImage* sound = nullptr;  ///< a bake of the same shape that is known to be right; null: none at hand
   const Walk* walk = nullptr;
   const Loss* loss = nullptr;  ///< where the truth is a hit
   Hit tracer;                  ///< what production answered
@@ -24,10 +25,12 @@ struct LayerEvidence {
 
 /// The layer of a wrong answer.
 ///   driver                the walk's pixels came to different ends, or the walk to another than production did
-///   primitive arithmetic  a loop over all primitives answers the same: the tree is not asked there
-///   transform             the ray was taken wrongly into a space or out of it: by the walk's Loss; where the loop errs
-///                         too, by the captured ray's distance from where the record's matrix takes it, or since the
-///                         primitive was found in its space and only what came out is wrong
+///   primitive arithmetic  a loop over all primitives answers the same: the tree is not asked there; or the right
+///                         primitive was found, but t and weights contradict each other on the captured ray, or its
+///                         normal points to the other side
+///   transform             the ray was taken wrongly into a space or out of it: by the walk's Loss, or by the captured
+///                         ray's distance from where the record's matrix takes it; or the right primitive was found as
+///                         it should be in its space, and only what came out of it is wrong
 ///   bounds, links         by the walk's Loss
 ///   tree                  anything else: the image holds what it should not, or lacks what it should hold
 Layer layer_of(const LayerEvidence& evidence);

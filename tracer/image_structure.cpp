@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "tracer/image_structure.h"
 
+#include <cmath>
+#include <limits>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -136,6 +139,41 @@ std::optional<std::vector<std::uint32_t>> transforms_to(const GeometryImage& ima
   }
   std::reverse(path.begin(), path.end());
   return path;
+}
+
+double scale_to_world(const GeometryImage& image, const std::vector<std::uint32_t>& path) {
+  // Entries are rounded by u = 2^-24, so that of a matrix that stretches by s the products of columns are off by at
+  // most 2 sqrt(3) u s^2, for each transform on the way.
+  glm::dmat3 transposed(1.0);
+  for (const std::uint32_t node : path) {
+    glm::dmat3 out;
+    for (int i = 0; i < 3; ++i) out[i] = glm::dvec3(record_texel(image, node, static_cast<std::uint32_t>(3 + i)));
+    transposed = out * transposed;
+  }
+  const glm::dmat3 gram = transposed * glm::transpose(transposed);
+  const double s2 = (gram[0][0] + gram[1][1] + gram[2][2]) / 3.0;
+  const double allowed = 4.0 * 0x1p-24 * static_cast<double>(path.size()) * s2;
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < 3; ++k)
+      if (!(std::abs(gram[i][k] - (i == k ? s2 : 0.0)) <= allowed)) return std::numeric_limits<double>::quiet_NaN();
+  return std::ldexp(std::sqrt(s2), -image.scale_exponent);
+}
+
+bool inverse_fits(const GeometryImage& image, std::uint32_t n) {
+  for (int row = 0; row < 3; ++row) {
+    const glm::dvec3 back(record_texel(image, n, static_cast<std::uint32_t>(row)));
+    for (int column = 0; column < 3; ++column) {
+      double sum = row == column ? -1.0 : 0.0, size = 0.0;
+      for (int k = 0; k < 3; ++k) {
+        const double term =
+            back[k] * static_cast<double>(record_texel(image, n, static_cast<std::uint32_t>(3 + k))[column]);
+        sum += term;
+        size += std::abs(term);
+      }
+      if (!(std::abs(sum) <= 0x1p-22 * size)) return false;
+    }
+  }
+  return true;
 }
 
 }  // namespace plumbline

@@ -41,4 +41,12 @@ std::vector<std::uint32_t> leaves_of_transform(const GeometryImage& image, const
 /// Scene nodes from the outermost to `instance`, as the records tell. Nothing where they tell no way to the world.
 std::optional<std::vector<std::uint32_t>> transforms_to(const GeometryImage& image, std::uint32_t instance);
 
+/// World units of a unit of the space into which these transforms lead, the outermost first; NaN where that depends on
+/// the direction.
+double scale_to_world(const GeometryImage& image, const std::vector<std::uint32_t>& path);
+
+/// Whether the matrices of a record are each other's inverses. Their entries were rounded to 2^-24 of themselves, so
+/// that an entry of the product is off by at most 2^-23 of the sum of its terms' sizes; twice that is allowed.
+bool inverse_fits(const GeometryImage& image, std::uint32_t n);
+
 }  // namespace plumbline

@@ -66,6 +66,9 @@ struct Loss {
   /// bounds, spheres: from the centre to the ray's segment and the radius, in units of the image and its space, and
   /// what the radius lacks. Boxes: t at which the ray enters and leaves, and what the second lacks.
   double distance = 0.0, radius = 0.0, shortfall = 0.0;
+  /// bounds, spheres: the same shortfall in world units; NaN where the way to the world stretches some directions more
+  /// than others.
+  double world_shortfall = std::numeric_limits<double>::quiet_NaN();
   std::uint32_t expected_cell = kNone, reached_cell = kNone;  ///< link, way_out; kNone: an end
   std::optional<TestedPrimitive> test;                        ///< primitive, nearer: of the primitive itself
   std::uint32_t stored = kNone;  ///< leaf, where a sound image was given: the stored primitive whose label is wrong

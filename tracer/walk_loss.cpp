@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <unordered_map>
 #include <utility>
 
 #include "scenes/error.h"
+#include "tracer/bake.h"
 #include "tracer/image_structure.h"
 #include "tracer/image_view.h"
 #include "tracer/walk_analysis.h"
@@ -217,7 +219,7 @@ class Search {
   /// A node that the walk visited and did not enter.
   Loss rejected(const RegionCopy& copy, const std::vector<Ancestor>& chain, const Ancestor& ancestor) const {
     const WalkStep& step = walk_.steps[ancestor.step];
-    if (step.test == NodeTest::beyond && !ended_behind()) return at_step(LossKind::nearer, ancestor.step);
+    if (step.test == NodeTest::beyond && !ended_behind(ancestor)) return at_step(LossKind::nearer, ancestor.step);
     if (step.test == NodeTest::end) {
       Loss loss = at_step(LossKind::link, ancestor.step);
       loss.expected_cell = ancestor.cell;
@@ -231,6 +233,7 @@ class Search {
       loss.distance = std::sqrt(static_cast<double>(step.distance2));
       loss.radius = std::sqrt(static_cast<double>(step.radius2));
       loss.shortfall = loss.distance - loss.radius;
+      loss.world_shortfall = loss.shortfall * scale_to_world(tree_, path_);
     }
     if (sound_ != nullptr) {
       loss.as_baked = same_volume(step.cell);
@@ -252,11 +255,25 @@ class Search {
     return blame_transform(std::move(loss));
   }
 
-  /// Whether the walk ended in a hit behind the one that was expected, so that no hit it had found before can hide that
-  /// one. 32 bits resolve t to within a few 2^-24 of itself and of the distances that went into it; 2^-16 is what
-  /// volumes are padded by, and more than that.
-  bool ended_behind() const {
-    return walk_.hit.kind == HitKind::hit && static_cast<double>(walk_.hit.t) > expected_.t * (1.0 + 0x1p-16);
+  /// Whether the walk ended in a hit behind the one that was expected, so that no hit it had found before can hide the
+  /// node above that one. The nearest hit only comes nearer, and by bake.h (1) the shader has the expected primitive at
+  /// most kPadEdge L + kPadRadius R behind its place, its longest edge L being no longer than the node is wide. t comes
+  /// to the world by three roundings.
+  bool ended_behind(const Ancestor& above) const {
+    if (walk_.hit.kind != HitKind::hit) return false;
+    const Volume volume = volume_at(tree_, above.cell);
+    const double wide = volume.is_box ? glm::length(glm::dvec3(volume.upper) - glm::dvec3(volume.lower))
+                                      : 2.0 * std::sqrt(static_cast<double>(volume.radius2));
+    double radius = tree_.radius;
+    glm::dvec3 d = glm::dvec3(walk_.ray.direction) * std::ldexp(1.0, tree_.scale_exponent);
+    for (const std::uint32_t node : path_) {
+      glm::dmat3 rows;
+      for (int i = 0; i < 3; ++i) rows[i] = glm::dvec3(record_texel(tree_, node, static_cast<std::uint32_t>(i)));
+      d = d * rows;  // by the transpose of what holds the rows as columns
+      radius = record_texel(tree_, node, 6).w;
+    }
+    const double t = walk_.hit.t, allowed = (kPadEdge * wide + kPadRadius * radius) / glm::length(d);
+    return t * (1.0 - 3.0 * 0x1p-24) > expected_.t + allowed;
   }
 
   bool same_volume(std::uint32_t cell) const {
@@ -275,7 +292,8 @@ class Search {
   /// transform above took it elsewhere.
   Loss blame_transform(Loss loss) const {
     for (const std::uint32_t node : path_) {
-      const bool sound = sound_ != nullptr ? same_record(node, 0, 3) && same_record(node, 6, 7) : inverse_fits(node);
+      const bool sound =
+          sound_ != nullptr ? same_record(node, 0, 3) && same_record(node, 6, 7) : inverse_fits(image_, node);
       if (sound) continue;
       loss.kind = LossKind::way_in;
       loss.transform = node;
@@ -283,25 +301,6 @@ class Search {
       break;
     }
     return loss;
-  }
-
-  /// Whether the matrices of a record are each other's inverses. Their entries were rounded to 2^-24 of themselves, so
-  /// that an entry of the product is off by at most 2^-23 of the sum of its terms' sizes; twice that is allowed.
-  bool inverse_fits(std::uint32_t n) const {
-    for (int row = 0; row < 3; ++row) {
-      const glm::dvec3 back(record_texel(image_, n, static_cast<std::uint32_t>(row)));
-      for (int column = 0; column < 3; ++column) {
-        double sum = row == column ? -1.0 : 0.0, size = 0.0;
-        for (int k = 0; k < 3; ++k) {
-          const double term =
-              back[k] * static_cast<double>(record_texel(image_, n, static_cast<std::uint32_t>(3 + k))[column]);
-          sum += term;
-          size += std::abs(term);
-        }
-        if (!(std::abs(sum) <= 0x1p-22 * size)) return false;
-      }
-    }
-    return true;
   }
 
   /// The cell where the walk should go on behind a step, in its own space; kNone: an end.

@@ -372,7 +372,9 @@ TEST_CASE("a sound image that loses a ray is not blamed", "[walk]") {
       const Loss loss = lost_at(image, lost, expected, &image);
       CHECK(loss.kind == LossKind::bounds);
       CHECK(loss.as_baked == true);
-      CHECK_THAT(loss.sentence, Contains("the image is as baked there"));
+      CHECK_THAT(loss.sentence, Contains("the image is as baked there") && Contains("rejected the ray by ") &&
+                                    Contains("units of its space") && !Contains("too small"));
+      CHECK(loss.world_shortfall == loss.shortfall);  // the world's own space, whose units are the image's
       ++bounds;
     }
     if (const Walk lost = no_triangle.record(walk.ray); !same_hit(lost, walk)) {

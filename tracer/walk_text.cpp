@@ -113,14 +113,22 @@ std::string describe(const Loss& loss, const GeometryImage& image, const Expecte
                              " of its space, and something nearer or of a lower number beside it"
                        : node + " above " + primitive + " lies behind a hit that was found before";
       return text;
-    case LossKind::bounds:
-      text = has_boxes(image)
-                 ? "box of " + node + " rejected the ray; " + primitive + " below it" + is_hit + "; the box is left " +
-                       short_number(loss.shortfall) + " in t before it is entered"
-                 : "sphere of " + node + " rejected the ray; " + primitive + " below it" + is_hit +
-                       (std::isnan(loss.shortfall) ? "; the test compared a NaN"
-                                                   : "; the sphere is too small by " + short_number(loss.shortfall));
+    case LossKind::bounds: {
+      std::string amount = short_number(loss.shortfall) + " (units of its space";
+      if (!std::isnan(loss.world_shortfall)) amount += ", " + short_number(loss.world_shortfall) + " of the world";
+      amount += ")";
+      const std::string below = "; " + primitive + " below it" + is_hit;
+      if (has_boxes(image))
+        text = "box of " + node + " rejected the ray" + below + "; the box is left " + short_number(loss.shortfall) +
+               " in t before it is entered";
+      else if (std::isnan(loss.shortfall))
+        text = "sphere of " + node + " rejected the ray" + below + "; the test compared a NaN";
+      else if (loss.as_baked.value_or(true))  // as baked, or not known: then it need not be the sphere's fault
+        text = "sphere of " + node + " rejected the ray by " + amount + below;
+      else
+        text = "sphere of " + node + " rejected the ray" + below + "; the sphere is too small by " + amount;
       break;
+    }
     case LossKind::link:
       text = loss.transform != kNone
                  ? "leaf " + node + " does not lead to what it should, past " + primitive
