@@ -116,8 +116,8 @@ void add_transform_faults(std::vector<Fault>& faults) {
   add("t_left_local", "t stays in units of the instance's walking ray.", nested, "candidate.glsl",
       "PRECISE float t_world = t * ray.t_scale + ray.t_shift;", "PRECISE float t_world = t;");
   add("parents_matrix_only", "A node inside another is entered with the outer one's matrix alone.", nested,
-      "change_space.glsl", "    enter_space(node);\n#endif",
-      "    if (record_texel(node, 7).z < 1.5) enter_space(node);\n#endif");
+      "change_space.glsl", "  enter_space(node);\n  derived_octant",
+      "  if (record_texel(node, 7).z < 1.5) enter_space(node);\n  derived_octant");
   faults.push_back({"sphere_not_refitted",
                     "Nodes have moved, but the spheres above them stand where they were.",
                     nested_moved,
