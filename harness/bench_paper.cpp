@@ -131,11 +131,11 @@ class PaperBench {
     std::vector<Probe> of_size = probes(stage.image);
     std::vector<std::vector<Ray>> frames;
     for (int s = 0; s < kSamples; ++s) frames.push_back(frame_rays(stage.scene.camera, static_cast<std::uint64_t>(s)));
-    std::array<std::vector<double>, kMostBundled + 1> gain, visits, visit_cost, left;
+    std::array<std::vector<double>, kMostBundled + 1> gain, visits, visit_cost, finishing, left;
     std::vector<double> growth;
     for (int round = -1; round < rounds_; ++round) {
       // Groups of 12 samples for bundles of 3 would be another set of rays, so ratios are of the rays at hand.
-      std::array<double, kMostBundled + 1> spent{}, steps{}, rays{};
+      std::array<double, kMostBundled + 1> spent{}, steps{}, rays{}, after{};
       double two = 0.0, sixteen = 0.0;
       for (int s = 0; s < kSamples; ++s)
         for (const int size : kSizes) {
@@ -146,6 +146,7 @@ class PaperBench {
           Probe& probe = of_size[at - 1];
           const double t = size == 1 ? seconds(probe, *group[0]) : seconds(probe, interleaved(group));
           spent[at] += t;
+          after[at] += probe.resumed_seconds();
           rays[at] += static_cast<double>(hits_.size());
           steps[at] += mean_steps() * static_cast<double>(hits_.size());
           if (round >= 0 && s == 0)
@@ -159,7 +160,8 @@ class PaperBench {
         const double alone = spent[1] / rays[1], alone_steps = steps[1] / rays[1];
         gain[at].push_back(alone / (spent[at] / rays[at]));
         visits[at].push_back(steps[at] / rays[at] / alone_steps);
-        visit_cost[at].push_back(spent[at] / (steps[at] / size) / (spent[1] / steps[1]));
+        visit_cost[at].push_back((spent[at] - after[at]) / (steps[at] / size) / (spent[1] / steps[1]));
+        finishing[at].push_back(after[at] / spent[at]);
       }
       growth.push_back(sixteen / two);
     }
@@ -169,6 +171,7 @@ class PaperBench {
       add("figure_6.parallel_vs_naive" + what, "rays/s", gain[at], size == 2 ? paper : 0.0);
       add("figure_6.visits_of_bundle_vs_ray" + what, "nodes", visits[at]);
       add("figure_6.cost_of_visit_vs_single" + what, "s/node", visit_cost[at]);
+      add("figure_6.share_of_second_pass" + what, "s", finishing[at]);
       add("figure_6.left_alone" + what, "share", left[at]);
     }
     add("figure_6.sixteen_rays_vs_two." + name, "s", growth, paper_growth);

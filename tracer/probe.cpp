@@ -44,13 +44,14 @@ struct Probe::Impl {
   GlFramebuffer bundle_framebuffer;
   int target_count = kPassTargets - 1;
   // Of the image: what its programs are, how many primitives it has, and the constants of pass_constants.glsl.
-  std::array<ProgramVariant, 2> variants;  // of the first pass, of the passes after it
+  enum Pass { kFirst, kResume, kFinish };
+  std::array<ProgramVariant, 3> variants;  // by pass; the last one ends what bundles have found
   std::uint32_t primitive_count = 0;
   PassConstants constants;
   bool is_linear = false;
   std::uint64_t uploaded = 0;
   Ball world_ball;
-  double seconds = 0.0;
+  double seconds = 0.0, resumed_seconds = 0.0;
   int resumed = 0;
   std::uint64_t left_alone = 0;
 
@@ -94,7 +95,9 @@ struct Probe::Impl {
       variants[thorough] = program_variant(image, traversal == Traversal::brute_force, thorough);
       variants[thorough].count_visits = is_counting;
     }
-    variants[0].bundle = bundle;
+    variants[kFinish] = variants[kFirst];
+    variants[kFinish].finish = true;
+    variants[kFirst].bundle = bundle;
     program(variants[0]);
     geometry = {};  // the old image goes first: two large ones need not fit
     geometry = upload_image(*context, image);
@@ -159,8 +162,9 @@ struct Probe::Impl {
 
   /// One pass over the first rows of the batch: rays from ray_texels, results to `results`, or of bundles to
   /// `bundle_results`.
-  void draw(int rows, bool resume, std::uint32_t range_end) {
-    const ProgramVariant& variant = variants[resume];
+  void draw(int rows, Pass kind, std::uint32_t range_end) {
+    const ProgramVariant& variant = variants[kind];
+    const bool resume = kind != kFirst;
     const GlProgram& pass = program(variant);
     const GlFunctions& gl = context->use();
     const bool is_bundled = variant.bundle > 1;
@@ -179,7 +183,9 @@ struct Probe::Impl {
     const auto start = Clock::now();
     pass.draw(kBatchWidth, rows);
     gl.Finish();
-    seconds += std::chrono::duration<double>(Clock::now() - start).count();
+    const double drawn = std::chrono::duration<double>(Clock::now() - start).count();
+    seconds += drawn;
+    if (resume) resumed_seconds += drawn;
     const int count = is_bundled ? 2 * variant.bundle : target_count;
     for (int i = 0; i < count; ++i) {
       std::vector<PassWords>& words =
@@ -208,7 +214,7 @@ struct Probe::Impl {
       for (std::size_t i = first; i < end; ++i) put_ray(places.pixel[i], batch[i]);
     });
     std::uint32_t range_end = is_brute ? kBruteForceRange : primitive_count;
-    draw(places.rows, false, range_end);
+    draw(places.rows, kFirst, range_end);
 
     std::array<std::vector<Open>, 2> open_of_half;
     in_halves(batch.size(), [&](int half, std::size_t first, std::size_t end) {
@@ -240,22 +246,39 @@ struct Probe::Impl {
     // The last bundle is filled up with its first ray.
     for (std::size_t i = 0; i < first_rays.size() * size; ++i)
       put_ray(places.pixel[i / size] * size + i % size, batch[i < batch.size() ? i : i - i % size]);
-    draw(places.rows, false, primitive_count);
+    draw(places.rows, kFirst, primitive_count);
 
-    std::vector<Open> open(batch.size());
+    // In the batch's order: what each ray's bundle has found becomes its hit.
+    const int rows = static_cast<int>((batch.size() + kBatchWidth - 1) / kBatchWidth);
+    clear_rays(rows - 1, rows);
+    state_texels.resize(batch.size() * static_cast<std::size_t>(target_count));
+    in_halves(batch.size(), [&](int, std::size_t first, std::size_t end) {
+      for (std::size_t i = first; i < end; ++i) {
+        const std::size_t pixel = places.pixel[i / size], lane = i % size;
+        const PassWords& a = bundle_results[2 * lane][pixel];
+        const PassWords& b = bundle_results[2 * lane + 1][pixel];
+        const bool is_alone = std::bit_cast<float>(a.y) < 0.0f;
+        PassWords* words = &state_texels[i * static_cast<std::size_t>(target_count)];
+        words[0] = {is_alone ? kStateNew : kStateEnded, target_count == kPassTargets ? b.z : a.x, a.w, 0u};
+        words[1] = PassWords(0u);
+        words[2] = {a.y, b.x, b.y, a.z};
+        if (target_count == kPassTargets) words[3] = {a.x, b.w, ~0u, 0u};  // walks end in the world
+        put_ray(i, batch[i]);
+      }
+    });
+    upload_state(rows);
+    draw(rows, kFinish, primitive_count);
+    std::vector<Open> open;
     for (std::size_t i = 0; i < batch.size(); ++i) {
-      const std::size_t pixel = places.pixel[i / size], lane = i % size;
-      const PassWords& a = bundle_results[2 * lane][pixel];
-      const PassWords& b = bundle_results[2 * lane + 1][pixel];
-      const bool is_alone = std::bit_cast<float>(a.y) < 0.0f;
-      left_alone += is_alone;
-      const std::uint32_t t = target_count == kPassTargets ? b.z : a.x;
-      results[0][i] = {is_alone ? kStateNew : kStateEnded, t, a.w, 0u};
-      results[1][i] = PassWords(0u);
-      results[2][i] = {a.y, b.x, b.y, a.z};
-      results[3][i] = {a.x, b.w, ~0u, 0u};  // walks end in the world
-      open[i] = {static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(i)};
+      const auto number = static_cast<std::uint32_t>(i);
+      if (state_texels[i * static_cast<std::size_t>(target_count)].x == kStateEnded) {
+        take(number, number, hits, open);
+      } else {
+        results[0][i] = PassWords(kStateNew, 0u, 0u, 0u);
+        open.push_back({number, number});
+      }
     }
+    left_alone += open.size();
     finish(batch, hits, std::move(open), primitive_count);
   }
 
@@ -276,7 +299,7 @@ struct Probe::Impl {
       }
       upload_state(rows);
       range_end = std::min(range_end + kBruteForceRange, std::uint32_t{1} << 30);
-      draw(rows, true, range_end);
+      draw(rows, kResume, range_end);
       std::vector<Open> still_open;
       for (std::size_t k = 0; k < open.size(); ++k) {
         // A pass that leaves everything as it was will do so for ever: a record leads the way out in a circle, or
@@ -339,7 +362,7 @@ void Probe::set_image(const GeometryImage& image) { impl_->set_image(image); }
 
 void Probe::trace(std::span<const Ray> rays, std::span<Hit> hits) {
   PLUMBLINE_ASSERT(rays.size() == hits.size());
-  impl_->seconds = 0.0;
+  impl_->seconds = impl_->resumed_seconds = 0.0;
   impl_->resumed = 0;
   impl_->left_alone = 0;
   const std::size_t batch = impl_->batch_rays();
@@ -356,6 +379,7 @@ void Probe::update(const GeometryImage& image, std::span<const TexelRange> chang
 std::uint64_t Probe::texels_uploaded() const { return impl_->uploaded; }
 
 double Probe::draw_seconds() const { return impl_->seconds; }
+double Probe::resumed_seconds() const { return impl_->resumed_seconds; }
 int Probe::resumed_passes() const { return impl_->resumed; }
 std::uint64_t Probe::rays_left_alone() const { return impl_->left_alone; }
 

@@ -59,6 +59,9 @@ class Probe {
   /// unpacking.
   double draw_seconds() const;
 
+  /// Of these, seconds in passes beyond one per batch.
+  double resumed_seconds() const;
+
   /// Passes that the last trace() took beyond one per batch, for walks longer than the driver's loops (65,535
   /// iterations in Mesa 22.3).
   int resumed_passes() const;

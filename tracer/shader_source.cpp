@@ -181,6 +181,7 @@ ProgramVariant program_variant(const GeometryImage& image, bool brute_force, boo
           image.transform_count > 0 && image.options.transform_out == TransformOut::inverse,
           false,
           false,
+          false,
           1};
 }
 
@@ -218,6 +219,7 @@ ShaderText probe_fragment_shader(const ProgramVariant& variant, std::span<const 
   if (variant.bounds == Bounds::aabb) defines.emplace_back("BOUNDS_AABB", "");
   if (variant.capture) add_capture_defines(defines);
   if (variant.count_visits) defines.emplace_back("COUNT_VISITS", "");
+  if (variant.finish) defines.emplace_back("FINISH", "");
   defines.emplace_back("PASS_CONSTANT", "flat in");
   std::vector<std::string_view> files;
   if (variant.count_visits) files.emplace_back("count_visits.glsl");  // its #extension stands before everything else

@@ -146,6 +146,7 @@ void main() {
   if (pass_range.y != CAPTURE_GOES_ON) capture_ray(CAPTURE_RAY, -1, ray.misses, nearest.t);
 #endif
 
+#ifndef FINISH  // this driver runs the body of a loop once, even where no pixel enters it
 #ifdef HAS_TRANSFORMS
   bool is_walking = !walk.ended && !ray.cut;
 #ifndef THOROUGH
@@ -177,6 +178,7 @@ void main() {
   }
 #else
   if (!walk.ended && !ray.too_far) walk_tree();
+#endif
 #endif
 #endif
   // A ray that waits for a triangle seen edge-on, comes from very far, or whose loops the driver has ended, goes on in another pass with
