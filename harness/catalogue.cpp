@@ -47,6 +47,7 @@ std::vector<Case> make_catalogue(const CatalogueOptions& options) {
     if (scene.has_spheres && !scene.has_nodes) cases.push_back(embree_spheres_case(scene, options.hits_rays));
     cases.push_back(brute_force_case(scene, options.brute_force_tests));
     cases.push_back(variants_case(scene, scene.has_nodes ? options.moved_rays : options.variant_rays));
+    add(bundle_cases(scene, options.bundle_rays));
     cases.push_back(bake_file_case(scene));
     cases.push_back(verify_case(scene));
     // These put other scenes on the stage, so they come last.

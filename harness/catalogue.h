@@ -24,7 +24,7 @@ struct CaseContext {
 
 struct Case {
   std::string name;        ///< dotted and stable: "hits.aimed_edges.creature"
-  std::string feature;     ///< "hits", "driver", "layers", "variants", "bake", "transforms"
+  std::string feature;     ///< "hits", "driver", "layers", "variants", "bundles", "bake", "transforms"
   std::string scene;       ///< name, or empty
   std::string spec;        ///< what loads the scene, or empty
   std::string family;      ///< of rays, or empty
@@ -41,6 +41,7 @@ struct CatalogueOptions {
   std::uint64_t variant_rays = 1 << 11;    ///< per family, variant and scene
   std::uint64_t transform_rays = 1 << 14;  ///< per family, way out of a transform, and scene of instances
   std::uint64_t moved_rays = 1 << 9;       ///< per family and frame, after updates, and per variant there
+  std::uint64_t bundle_rays = 1 << 6;      ///< per family, size of bundle, way out of a transform, and scene
   bool whole = false;                      ///< the cases that have scenes of their own, too
   std::uint64_t brute_force_tests =
       40'000'000;  ///< primitive tests per scene in the brute-force layer, spread over all families
@@ -62,6 +63,7 @@ std::vector<Case> hit_cases(const ListedScene& scene, std::uint64_t rays);
 Case picture_case(const ListedScene& scene);
 Case brute_force_case(const ListedScene& scene, std::uint64_t tests);
 Case variants_case(const ListedScene& scene, std::uint64_t rays);
+std::vector<Case> bundle_cases(const ListedScene& scene, std::uint64_t rays);
 Case bake_file_case(const ListedScene& scene);
 Case verify_case(const ListedScene& scene);
 Case broken_trees_case();

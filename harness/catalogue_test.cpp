@@ -55,7 +55,8 @@ TEST_CASE("Every scene of instances is asked both ways out of a transform, in ev
     for (const char* kind : {"two_truths", "brute_force", "variants", "updates"})
       CHECK(select_cases(cases, {std::string("transforms.") + kind + "." + scene.name}).size() == 1);
   }
-  for (const char* name : {"transforms.frames.walk", "transforms.drift", "transforms.bunnies"})
+  for (const char* name : {"bundles.2.nested", "bundles.3.creature", "bundles.4.sphereflake_3",
+                           "transforms.frames.walk", "transforms.drift", "transforms.bunnies"})
     CHECK(select_cases(cases, {name}).size() == 1);
 }
 

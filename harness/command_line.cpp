@@ -11,6 +11,7 @@
 #include <iostream>
 
 #include "harness/bench.h"
+#include "harness/bench_paper.h"
 #include "harness/catalogue.h"
 #include "harness/commands.h"
 #include "harness/faults.h"
@@ -98,7 +99,7 @@ struct Arguments {
   std::string scene, shard, budget, json, history;
   std::string out = "out";
   std::uint64_t seed = 1, rays = 0;
-  bool resume = false, quick = false;
+  bool resume = false, quick = false, paper = false;
   int rounds = 7;
 };
 
@@ -153,9 +154,18 @@ int bench(const Arguments& a) {
   if (a.quick) options.variants = options.large = false;
   Progress progress;
   options.progress = [&](double share, const std::string& what) { progress.show(share, what); };
-  const std::vector<Metric> metrics = run_bench(options);
+  std::vector<Metric> metrics;
+  std::string table;
+  if (a.paper) {
+    const std::vector<PaperFigure> figures = run_paper_bench(options.rounds, options.progress);
+    for (const PaperFigure& figure : figures) metrics.push_back(figure.metric);
+    table = paper_table(figures);
+  } else {
+    metrics = run_bench(options);
+    table = bench_table(metrics);
+  }
   progress.clear();
-  std::fputs(bench_table(metrics).c_str(), stdout);
+  std::fputs(table.c_str(), stdout);
   if (!a.json.empty()) write_text(a.json, bench_json(metrics));
   return 0;
 }
@@ -245,6 +255,7 @@ int dispatch(int argc, char** argv) {
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   bench_sub->add_flag("--quick", a.quick, "Leave out the variants and the scene of a million triangles");
+  bench_sub->add_flag("--paper", a.paper, "The paper's Figures 4 and 6 instead: rays that walk together, as ratios");
 
   CLI::App* faults_sub =
       app.add_subcommand("faults", "Break the tracer on purpose, one fault at a time, and name what catches it");

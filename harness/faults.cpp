@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 
+#include "harness/bundle_cases.h"
 #include "harness/explain.h"
 #include "harness/hit_cases.h"
 #include "scenes/error.h"
@@ -116,8 +117,8 @@ void add_transform_faults(std::vector<Fault>& faults) {
   add("t_left_local", "t stays in units of the instance's walking ray.", nested, "candidate.glsl",
       "PRECISE float t_world = t * ray.t_scale + ray.t_shift;", "PRECISE float t_world = t;");
   add("parents_matrix_only", "A node inside another is entered with the outer one's matrix alone.", nested,
-      "change_space.glsl", "    enter_space(node);\n#endif",
-      "    if (record_texel(node, 7).z < 1.5) enter_space(node);\n#endif");
+      "change_space.glsl", "  enter_space(node);\n  derived_octant",
+      "  if (record_texel(node, 7).z < 1.5) enter_space(node);\n  derived_octant");
   faults.push_back({"sphere_not_refitted",
                     "Nodes have moved, but the spheres above them stand where they were.",
                     nested_moved,
@@ -185,11 +186,47 @@ std::vector<Fault> all_faults() {
          "hit.t = (((u * a.z + v * b.z) + w * c.z) * inverse) * ray.shear.z;",
          "hit.t = (((u * a.z + v * b.z) + w * c.z) * inverse) * ray.shear.z * 1.00001;");
   add_transform_faults(faults);
+  faults.push_back({"nearest_of_another_ray",
+                    "The rays of a bundle are cut off at the nearest hit of its first.",
+                    creature,
+                    {V::tracer_wrong},
+                    {},
+                    {{"bundle.glsl", "nearest = bundle_nearest[K]", "nearest = bundle_nearest[0]"}},
+                    TransformOut::restore,
+                    2});
   return faults;
 }
 
+namespace {
+
+/// Of rays that walk together: the case is `bundles`, and the layer is none of those that one ray's walk knows.
+FaultResult run_bundle_fault(Session& session, const Stage& stage, const Fault& fault, std::uint64_t seed) {
+  FaultResult result{fault.name, fault.what, {}, Verdict::agree, Layer::none, {}};
+  const std::vector<Ray> rays = bundled_rays(stage.rays, seed, 1 << 8);
+  std::vector<Hit> alone(rays.size()), sound(rays.size()), faulty(rays.size());
+  session.probe(stage, fault.out).trace(rays, alone);
+  session.bundles(stage, fault.bundle, fault.out).trace(rays, sound);
+  Probe broken(session.context(), stage.image_of(fault.out), BundleSize{fault.bundle}, fault.patches);
+  broken.trace(rays, faulty);
+  std::uint64_t wrong = 0;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (!same_bits(sound[i], alone[i]))
+      throw EnvironmentError("a bundle answers otherwise than its rays without the fault " + fault.name);
+    wrong += !same_bits(faulty[i], alone[i]);
+  }
+  if (wrong == 0) return result;
+  result.verdict = Verdict::tracer_wrong;
+  result.caught_by = "bundles." + std::to_string(fault.bundle) + "." + stage.scene.name + ": " + std::to_string(wrong) +
+                     " of " + std::to_string(rays.size()) + " rays tracer_wrong";
+  result.sentence = "alone the ray is answered rightly; it is lost in its bundle";
+  return result;
+}
+
+}  // namespace
+
 FaultResult run_fault(Session& session, const Fault& fault, std::uint64_t seed) {
   Stage& stage = session.stage("fault " + fault.name, fault.scene());
+  if (fault.bundle > 1) return run_bundle_fault(session, stage, fault, seed);
   const Judge judge = stage.judge_of(fault.out);
   GeometryImage image = stage.image_of(fault.out);
   if (fault.change_image) fault.change_image(image, stage);

@@ -21,6 +21,7 @@ struct Fault {
   std::function<void(GeometryImage&, const Stage&)> change_image;
   std::vector<ShaderPatch> patches;          ///< empty: the shader is left as it is
   TransformOut out = TransformOut::restore;  ///< the variant that it is seeded in
+  int bundle = 1;                            ///< more: rays that walk together, held against each alone
 };
 
 /// Every seeded fault, in a fixed order.

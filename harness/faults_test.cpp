@@ -30,7 +30,8 @@ const std::map<std::string, std::set<Layer>> kLayers{{"sphere_shrunk", {Layer::b
                                                      {"parents_matrix_only", {Layer::transform}},
                                                      {"sphere_not_refitted", {Layer::bounds}},
                                                      {"transform_behind_the_eye", {Layer::transform}},
-                                                     {"instance_of_the_parent", {Layer::transform}}};
+                                                     {"instance_of_the_parent", {Layer::transform}},
+                                                     {"nearest_of_another_ray", {Layer::none}}};
 
 TEST_CASE("Each seeded fault is caught by a failing verdict, and its layer is told") {
   Session session;

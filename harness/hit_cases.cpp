@@ -86,6 +86,33 @@ bool same_bits(const Hit& a, const Hit& b) {
          std::memcmp(&va, &vb, sizeof va) == 0;
 }
 
+void record_differences(std::span<const Ray> rays, std::span<const Hit> got, std::span<const Hit> expected,
+                        const std::string& expected_name, const std::string& spec, CaseRecord& record) {
+  std::uint64_t differing = 0;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (same_bits(got[i], expected[i]) && got[i].kind != HitKind::capped) continue;  // both capped is no agreement
+    if (++differing > 8) continue;
+    RayRecord r;
+    r.verdict = verdict_name(got[i].kind == HitKind::capped ? Verdict::capped : Verdict::tracer_wrong);
+    r.index = i;
+    r.origin = hex_vector(rays[i].origin), r.direction = hex_vector(rays[i].direction),
+    r.t_max = hex_float(rays[i].t_max);
+    r.tracer = describe(got[i]);
+    r.reference = describe(expected[i]);
+    r.reason = "Not bit for bit what " + expected_name + " answers.";
+    r.replay = "./plumbline explain " + quoted(spec) + " --ray=" + ray_argument(rays[i]);
+    record.worst.push_back(std::move(r));
+  }
+  record.rays += rays.size();
+  record.verdicts["agree"] += rays.size() - differing;
+  record.verdicts["tracer_wrong"] += differing;
+  if (differing > 0) {
+    record.status = CaseStatus::failed;
+    record.message += (record.message.empty() ? "" : "; ") + std::to_string(differing) + " of " +
+                      std::to_string(rays.size()) + " rays differ from " + expected_name;
+  }
+}
+
 bool is_skipped(const Stage& stage, CaseRecord& record) {
   if (placed_count(stage.scene) > 0) return false;
   record.status = CaseStatus::skipped;

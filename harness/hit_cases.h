@@ -40,6 +40,11 @@ std::vector<Ray> mixed_rays(const RaySource& source, std::uint64_t seed, std::si
 /// Whether two answers are the same bit for bit. Steps and tests tell of the walk and do not count.
 bool same_bits(const Hit& a, const Hit& b);
 
+/// Counts the rays whose answers differ in any bit, as agree and tracer_wrong, and keeps the first few. A difference
+/// fails the case.
+void record_differences(std::span<const Ray> rays, std::span<const Hit> got, std::span<const Hit> expected,
+                        const std::string& expected_name, const std::string& spec, CaseRecord& record);
+
 /// Marks the case as skipped where there is nothing to trace.
 bool is_skipped(const Stage& stage, CaseRecord& record);
 

@@ -82,11 +82,12 @@ Stage& Session::install(std::unique_ptr<Stage> stage) {
   return *stage_;
 }
 
-Probe& Session::program(const GeometryImage& image, Traversal traversal) {
-  const std::string key = program_key(image, traversal);
+Probe& Session::program(const GeometryImage& image, Traversal traversal, int bundle) {
+  const std::string key = program_key(image, traversal) + " " + std::to_string(bundle);
   auto& program = programs_[key];
   if (!program) {
-    program = std::make_unique<Probe>(context_, image, traversal);
+    program = bundle > 1 ? std::make_unique<Probe>(context_, image, BundleSize{bundle})
+                         : std::make_unique<Probe>(context_, image, traversal);
   } else if (uploaded_[key] != &image) {
     program->set_image(image);
   }
@@ -95,10 +96,13 @@ Probe& Session::program(const GeometryImage& image, Traversal traversal) {
 }
 
 Probe& Session::probe(const Stage& stage, TransformOut out) { return program(stage.image_of(out), Traversal::tree); }
+Probe& Session::bundles(const Stage& stage, int size, TransformOut out) {
+  return program(stage.image_of(out), Traversal::tree, size);
+}
 Probe& Session::brute_force(const Stage& stage) { return program(stage.image, Traversal::brute_force); }
 
 Probe& Session::probe(const GeometryImage& image) {
-  uploaded_.erase(program_key(image, Traversal::tree));  // a variant's image may stand where an older one stood
+  uploaded_.erase(program_key(image, Traversal::tree) + " 1");  // a variant's image may stand where an older one stood
   return program(image, Traversal::tree);
 }
 

@@ -60,6 +60,8 @@ class Session {
   Stage& stage(const std::string& spec, Scene scene);
   /// The default variant's probe with the stage's image uploaded, or that of the other way out of transforms.
   Probe& probe(const Stage& stage, TransformOut out = BakeOptions{}.transform_out);
+  /// The same with bundles of `size` rays.
+  Probe& bundles(const Stage& stage, int size, TransformOut out = BakeOptions{}.transform_out);
   /// The brute-force layer over the stage's image.
   Probe& brute_force(const Stage& stage);
   /// A variant's probe with `image` uploaded; programs are compiled once per kind of image.
@@ -67,7 +69,7 @@ class Session {
 
  private:
   Stage& install(std::unique_ptr<Stage> stage);
-  Probe& program(const GeometryImage& image, Traversal traversal);
+  Probe& program(const GeometryImage& image, Traversal traversal, int bundle = 1);
 
   GlContext context_;
   std::unique_ptr<Stage> stage_;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <chrono>
 #include <cmath>
 #include <utility>
@@ -31,6 +32,7 @@ struct Probe::Impl {
 
   GlContext* context;
   Traversal traversal;
+  int bundle = 1;
   std::vector<ShaderPatch> patches;
   std::vector<std::pair<ProgramVariant, GlProgram>> programs;
   GlTexture geometry, rays, state;
@@ -38,24 +40,30 @@ struct Probe::Impl {
   GlCounters visits;  // of the image at hand, where visits are counted
   std::array<GlTexture, kPassTargets> targets;
   GlFramebuffer plain_framebuffer, framebuffer;  // without the last target, with it
+  std::vector<GlTexture> bundle_targets;         // two for each ray of a bundle
+  GlFramebuffer bundle_framebuffer;
   int target_count = kPassTargets - 1;
   // Of the image: what its programs are, how many primitives it has, and the constants of pass_constants.glsl.
-  std::array<ProgramVariant, 2> variants;  // of the first pass, of the passes after it
+  enum Pass { kFirst, kResume, kFinish };
+  std::array<ProgramVariant, 3> variants;  // by pass; the last one ends what bundles have found
   std::uint32_t primitive_count = 0;
   PassConstants constants;
   bool is_linear = false;
   std::uint64_t uploaded = 0;
   Ball world_ball;
-  double seconds = 0.0;
+  double seconds = 0.0, resumed_seconds = 0.0;
   int resumed = 0;
+  std::uint64_t left_alone = 0;
 
   // Host copies of a batch.
   std::vector<glm::vec4> ray_texels;
   std::vector<PassWords> state_texels;
   std::array<std::vector<PassWords>, kPassTargets> results;
+  std::vector<std::vector<PassWords>> bundle_results;
 
-  Impl(GlContext& c, Traversal t, std::span<const ShaderPatch> p)
-      : context(&c), traversal(t), patches(p.begin(), p.end()) {
+  Impl(GlContext& c, Traversal t, int rays_of_bundle, std::span<const ShaderPatch> p)
+      : context(&c), traversal(t), bundle(rays_of_bundle), patches(p.begin(), p.end()) {
+    PLUMBLINE_ASSERT(bundle >= 1 && bundle <= kMostBundled);
     ray_texels.resize(2 * kBatch);
     rays = GlTexture::linear(c, ray_texels);
     for (GlTexture& target : targets)
@@ -63,6 +71,12 @@ struct Probe::Impl {
     plain_framebuffer = GlFramebuffer(c, targets.data(), kPassTargets - 1);
     framebuffer = GlFramebuffer(c, targets.data(), kPassTargets);
     for (auto& result : results) result.resize(kBatch);
+    if (bundle > 1) {
+      for (int i = 0; i < 2 * bundle; ++i)
+        bundle_targets.emplace_back(c, GL_RGBA32UI, GL_RGBA_INTEGER, GL_UNSIGNED_INT, kBatchWidth, kBatchHeight);
+      bundle_framebuffer = GlFramebuffer(c, bundle_targets.data(), 2 * bundle);
+      bundle_results.resize(bundle_targets.size());
+    }
   }
 
   /// The program of a variant, compiled when it is first asked for.
@@ -81,6 +95,9 @@ struct Probe::Impl {
       variants[thorough] = program_variant(image, traversal == Traversal::brute_force, thorough);
       variants[thorough].count_visits = is_counting;
     }
+    variants[kFinish] = variants[kFirst];
+    variants[kFinish].finish = true;
+    variants[kFirst].bundle = bundle;
     program(variants[0]);
     geometry = {};  // the old image goes first: two large ones need not fit
     geometry = upload_image(*context, image);
@@ -143,30 +160,47 @@ struct Probe::Impl {
                      state_texels.data());
   }
 
-  /// One pass over the first rows of the batch: rays from ray_texels, results to `results`.
-  void draw(int rows, bool resume, std::uint32_t range_end) {
-    const GlProgram& pass = program(variants[resume]);
+  /// One pass over the first rows of the batch: rays from ray_texels, results to `results`, or of bundles to
+  /// `bundle_results`.
+  void draw(int rows, Pass kind, std::uint32_t range_end) {
+    const ProgramVariant& variant = variants[kind];
+    const bool resume = kind != kFirst;
+    const GlProgram& pass = program(variant);
     const GlFunctions& gl = context->use();
-    rays.update(std::span(ray_texels).first(std::size_t{2} * kBatchWidth * static_cast<std::size_t>(rows)));
+    const bool is_bundled = variant.bundle > 1;
+    rays.update(std::span(ray_texels).first(static_cast<std::size_t>(2 * kBatchWidth * variant.bundle * rows)));
     geometry.bind(kGeometryUnit);
     rays.bind(kRayUnit);
     if (state) state.bind(kStateUnit);
     if (visits) visits.bind(0);
     pass.use();
     set_pass(pass, constants, {constants.scale_exponent, resume ? 1 : 0, static_cast<int>(range_end), 0});
-    gl.BindFramebuffer(GL_FRAMEBUFFER, (target_count == kPassTargets ? framebuffer : plain_framebuffer).name());
+    const GlFramebuffer& target = is_bundled                     ? bundle_framebuffer
+                                  : target_count == kPassTargets ? framebuffer
+                                                                 : plain_framebuffer;
+    gl.BindFramebuffer(GL_FRAMEBUFFER, target.name());
     gl.Disable(GL_DITHER);
     const auto start = Clock::now();
     pass.draw(kBatchWidth, rows);
     gl.Finish();
-    seconds += std::chrono::duration<double>(Clock::now() - start).count();
-    for (int i = 0; i < target_count; ++i) {
+    const double drawn = std::chrono::duration<double>(Clock::now() - start).count();
+    seconds += drawn;
+    if (resume) resumed_seconds += drawn;
+    const int count = is_bundled ? 2 * variant.bundle : target_count;
+    for (int i = 0; i < count; ++i) {
+      std::vector<PassWords>& words =
+          is_bundled ? bundle_results[static_cast<std::size_t>(i)] : results[static_cast<std::size_t>(i)];
+      words.resize(kBatch);
       gl.ReadBuffer(static_cast<GLenum>(GL_COLOR_ATTACHMENT0 + i));
-      gl.ReadPixels(0, 0, kBatchWidth, rows, GL_RGBA_INTEGER, GL_UNSIGNED_INT,
-                    results[static_cast<std::size_t>(i)].data());
+      gl.ReadPixels(0, 0, kBatchWidth, rows, GL_RGBA_INTEGER, GL_UNSIGNED_INT, words.data());
     }
     context->check("tracing rays");
   }
+
+  /// A ray of the batch whose walk has not ended, and the pixel where its state is.
+  struct Open {
+    std::uint32_t ray, pixel;
+  };
 
   void trace_batch(std::span<const Ray> batch, std::span<Hit> hits) {
     const bool is_brute = traversal == Traversal::brute_force;
@@ -180,7 +214,7 @@ struct Probe::Impl {
       for (std::size_t i = first; i < end; ++i) put_ray(places.pixel[i], batch[i]);
     });
     std::uint32_t range_end = is_brute ? kBruteForceRange : primitive_count;
-    draw(places.rows, false, range_end);
+    draw(places.rows, kFirst, range_end);
 
     std::array<std::vector<Open>, 2> open_of_half;
     in_halves(batch.size(), [&](int half, std::size_t first, std::size_t end) {
@@ -189,6 +223,68 @@ struct Probe::Impl {
     });
     std::vector<Open> open = std::move(open_of_half[0]);
     open.insert(open.end(), open_of_half[1].begin(), open_of_half[1].end());
+    finish(batch, hits, std::move(open), range_end);
+  }
+
+  /// Rays of one pass: no order of their bundles needs more than eight rows beyond those that are full.
+  std::size_t batch_rays() const {
+    return bundle == 1 ? kBatch : std::size_t{kBatchWidth} * (kBatchHeight / bundle - 8) * bundle;
+  }
+
+  /// As trace_batch: a first pass walks the bundles, another makes hits of what they have found, and begins anew with
+  /// the rays that were left alone.
+  void trace_bundles(std::span<const Ray> batch, std::span<Hit> hits) {
+    const auto size = static_cast<std::size_t>(bundle);
+    const auto start = Clock::now();
+    std::vector<Ray> first_rays;
+    first_rays.reserve(batch.size() / size + 1);
+    for (std::size_t i = 0; i < batch.size(); i += size) first_rays.push_back(batch[i]);
+    const RayPlaces places = place_rays(first_rays, choose_ray_order(first_rays, world_ball), world_ball);
+    seconds += std::chrono::duration<double>(Clock::now() - start).count();
+    PLUMBLINE_ASSERT(places.rows * bundle <= kBatchHeight);
+    clear_rays(std::max(places.rows - 4, 0) * bundle, places.rows * bundle);
+    // The last bundle is filled up with its first ray.
+    for (std::size_t i = 0; i < first_rays.size() * size; ++i)
+      put_ray(places.pixel[i / size] * size + i % size, batch[i < batch.size() ? i : i - i % size]);
+    draw(places.rows, kFirst, primitive_count);
+
+    // In the batch's order: what each ray's bundle has found becomes its hit.
+    const int rows = static_cast<int>((batch.size() + kBatchWidth - 1) / kBatchWidth);
+    clear_rays(rows - 1, rows);
+    state_texels.resize(batch.size() * static_cast<std::size_t>(target_count));
+    in_halves(batch.size(), [&](int, std::size_t first, std::size_t end) {
+      for (std::size_t i = first; i < end; ++i) {
+        const std::size_t pixel = places.pixel[i / size], lane = i % size;
+        const PassWords& a = bundle_results[2 * lane][pixel];
+        const PassWords& b = bundle_results[2 * lane + 1][pixel];
+        const bool is_alone = std::bit_cast<float>(a.y) < 0.0f;
+        PassWords* words = &state_texels[i * static_cast<std::size_t>(target_count)];
+        words[0] = {is_alone ? kStateNew : kStateEnded, target_count == kPassTargets ? b.z : a.x, a.w, 0u};
+        words[1] = PassWords(0u);
+        words[2] = {a.y, b.x, b.y, a.z};
+        if (target_count == kPassTargets) words[3] = {a.x, b.w, ~0u, 0u};  // walks end in the world
+        put_ray(i, batch[i]);
+      }
+    });
+    upload_state(rows);
+    draw(rows, kFinish, primitive_count);
+    std::vector<Open> open;
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+      const auto number = static_cast<std::uint32_t>(i);
+      if (state_texels[i * static_cast<std::size_t>(target_count)].x == kStateEnded) {
+        take(number, number, hits, open);
+      } else {
+        results[0][i] = PassWords(kStateNew, 0u, 0u, 0u);
+        open.push_back({number, number});
+      }
+    }
+    left_alone += open.size();
+    finish(batch, hits, std::move(open), primitive_count);
+  }
+
+  /// Goes on with the rays whose state is in `results`, pass by pass, until all of them have ended.
+  void finish(std::span<const Ray> batch, std::span<Hit> hits, std::vector<Open> open, std::uint32_t range_end) {
+    const bool is_brute = traversal == Traversal::brute_force;
     while (!open.empty()) {
       ++resumed;
       // In the order of their pixels, so that rays that walked together go on together.
@@ -203,7 +299,7 @@ struct Probe::Impl {
       }
       upload_state(rows);
       range_end = std::min(range_end + kBruteForceRange, std::uint32_t{1} << 30);
-      draw(rows, true, range_end);
+      draw(rows, kResume, range_end);
       std::vector<Open> still_open;
       for (std::size_t k = 0; k < open.size(); ++k) {
         // A pass that leaves everything as it was will do so for ever: a record leads the way out in a circle, or
@@ -217,10 +313,6 @@ struct Probe::Impl {
     }
   }
 
-  /// A ray of the batch whose walk has not ended, and the pixel where its state is.
-  struct Open {
-    std::uint32_t ray, pixel;
-  };
   /// Whether a pixel of the last pass has written the state that it was given.
   bool is_unchanged(std::size_t pixel) const {
     const auto count = static_cast<std::size_t>(target_count);
@@ -240,11 +332,15 @@ struct Probe::Impl {
 };
 
 Probe::Probe(GlContext& context, const GeometryImage& image, Traversal traversal, std::span<const ShaderPatch> patches)
-    : impl_(std::make_unique<Impl>(context, traversal, patches)) {
+    : impl_(std::make_unique<Impl>(context, traversal, 1, patches)) {
+  set_image(image);
+}
+Probe::Probe(GlContext& context, const GeometryImage& image, BundleSize bundle, std::span<const ShaderPatch> patches)
+    : impl_(std::make_unique<Impl>(context, Traversal::tree, bundle.rays, patches)) {
   set_image(image);
 }
 Probe::Probe(GlContext& context, Traversal traversal, std::span<const ShaderPatch> patches)
-    : impl_(std::make_unique<Impl>(context, traversal, patches)) {}
+    : impl_(std::make_unique<Impl>(context, traversal, 1, patches)) {}
 Probe::~Probe() = default;
 Probe::Probe(Probe&&) noexcept = default;
 Probe& Probe::operator=(Probe&&) noexcept = default;
@@ -266,11 +362,16 @@ void Probe::set_image(const GeometryImage& image) { impl_->set_image(image); }
 
 void Probe::trace(std::span<const Ray> rays, std::span<Hit> hits) {
   PLUMBLINE_ASSERT(rays.size() == hits.size());
-  impl_->seconds = 0.0;
+  impl_->seconds = impl_->resumed_seconds = 0.0;
   impl_->resumed = 0;
-  for (std::size_t first = 0; first < rays.size(); first += kBatch) {
-    const std::size_t count = std::min(kBatch, rays.size() - first);
-    impl_->trace_batch(rays.subspan(first, count), hits.subspan(first, count));
+  impl_->left_alone = 0;
+  const std::size_t batch = impl_->batch_rays();
+  for (std::size_t first = 0; first < rays.size(); first += batch) {
+    const std::size_t count = std::min(batch, rays.size() - first);
+    if (impl_->bundle > 1)
+      impl_->trace_bundles(rays.subspan(first, count), hits.subspan(first, count));
+    else
+      impl_->trace_batch(rays.subspan(first, count), hits.subspan(first, count));
   }
 }
 
@@ -278,6 +379,8 @@ void Probe::update(const GeometryImage& image, std::span<const TexelRange> chang
 std::uint64_t Probe::texels_uploaded() const { return impl_->uploaded; }
 
 double Probe::draw_seconds() const { return impl_->seconds; }
+double Probe::resumed_seconds() const { return impl_->resumed_seconds; }
 int Probe::resumed_passes() const { return impl_->resumed; }
+std::uint64_t Probe::rays_left_alone() const { return impl_->left_alone; }
 
 }  // namespace plumbline

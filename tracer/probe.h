@@ -20,6 +20,11 @@ enum class Traversal {
   brute_force,  ///< a loop over all primitives of the image that uses the production's own primitive functions
 };
 
+/// How many rays walk the tree together, 1 to kMostBundled (tracer/shader_words.h).
+struct BundleSize {
+  int rays = 1;
+};
+
 class Probe {
  public:
   /// Compiles the shader for the image's layout and uploads the image. The context must outlive the probe. `patches`
@@ -27,6 +32,10 @@ class Probe {
   /// our GLSL file and line, and InputError for an image that is larger than the driver's textures.
   Probe(GlContext& context, const GeometryImage& image, Traversal traversal = Traversal::tree,
         std::span<const ShaderPatch> patches = {});
+  /// The production traversal with bundles: rays b N to b N + N - 1 walk together, N = bundle.rays. Every ray has the
+  /// answer that it has alone, bit for bit. Its steps are those of its bundle; its primitive tests and transforms are
+  /// not counted (0) unless it had to walk alone.
+  Probe(GlContext& context, const GeometryImage& image, BundleSize bundle, std::span<const ShaderPatch> patches = {});
   ~Probe();
   Probe(Probe&&) noexcept;
   Probe& operator=(Probe&&) noexcept;
@@ -50,9 +59,16 @@ class Probe {
   /// unpacking.
   double draw_seconds() const;
 
+  /// Of these, seconds in passes beyond one per batch.
+  double resumed_seconds() const;
+
   /// Passes that the last trace() took beyond one per batch, for walks longer than the driver's loops (65,535
   /// iterations in Mesa 22.3).
   int resumed_passes() const;
+
+  /// Rays of the last trace() that their bundle has left to walk alone: those that are seen edge-on by a triangle, come
+  /// from very far, or drift out of transforms another way than the others.
+  std::uint64_t rays_left_alone() const;
 
  private:
   friend class VisitProbe;

@@ -180,7 +180,9 @@ ProgramVariant program_variant(const GeometryImage& image, bool brute_force, boo
           image.transform_count > 0,
           image.transform_count > 0 && image.options.transform_out == TransformOut::inverse,
           false,
-          false};
+          false,
+          false,
+          1};
 }
 
 ShaderText probe_fragment_shader(const ProgramVariant& variant, std::span<const ShaderPatch> patches,
@@ -205,6 +207,9 @@ ShaderText probe_fragment_shader(const ProgramVariant& variant, std::span<const 
       {"KIND_UNDEFINED", std::to_string(kWordUndefined) + "u"},
       {"KIND_CAPPED", std::to_string(kWordCapped) + "u"},
       {"KIND_UNFINISHED", std::to_string(kWordUnfinished) + "u"},
+      {"STATE_ENDED", std::to_string(kStateEnded) + "u"},
+      {"STATE_NEW", std::to_string(kStateNew) + "u"},
+      {"BUNDLE_SIZE", std::to_string(variant.bundle)},
   };
   if (variant.has_triangles) defines.emplace_back("HAS_TRIANGLES", "");
   if (variant.has_spheres) defines.emplace_back("HAS_SPHERES", "");
@@ -214,18 +219,22 @@ ShaderText probe_fragment_shader(const ProgramVariant& variant, std::span<const 
   if (variant.bounds == Bounds::aabb) defines.emplace_back("BOUNDS_AABB", "");
   if (variant.capture) add_capture_defines(defines);
   if (variant.count_visits) defines.emplace_back("COUNT_VISITS", "");
+  if (variant.finish) defines.emplace_back("FINISH", "");
   defines.emplace_back("PASS_CONSTANT", "flat in");
   std::vector<std::string_view> files;
   if (variant.count_visits) files.emplace_back("count_visits.glsl");  // its #extension stands before everything else
   for (const char* file :
        {"pass_constants.glsl", "exact.glsl", "ray_prepare.glsl", "capture_event.glsl", "triangle.glsl", "sphere.glsl",
-        compact ? "image_compact.glsl" : "image_paper.glsl", "walk_state.glsl", "candidate.glsl", "bounds.glsl"})
+        compact ? "image_compact.glsl" : "image_paper.glsl", "walk_state.glsl"})
     if (variant.capture || file != std::string_view("capture_event.glsl")) files.emplace_back(file);
   if (variant.has_transforms) files.emplace_back("transform.glsl");
+  for (const char* file : {"bundle.glsl", "candidate.glsl", "bounds.glsl"}) files.emplace_back(file);
   if (variant.capture) files.emplace_back("capture_walk.glsl");
   files.emplace_back(variant.brute_force ? "brute_force.glsl" : (compact ? "walk_compact.glsl" : "walk_paper.glsl"));
   if (variant.has_transforms && !variant.brute_force) files.emplace_back("change_space.glsl");
-  files.emplace_back("probe.frag.glsl");
+  if (variant.has_transforms && variant.bundle > 1) files.emplace_back("bundle_space.glsl");
+  files.emplace_back("ray_start.glsl");
+  files.emplace_back(variant.bundle > 1 ? "bundle.frag.glsl" : "probe.frag.glsl");
   return compose_shader(files, defines, patches, dialect);
 }
 

@@ -54,6 +54,8 @@ struct ProgramVariant {
   bool out_inverse = false;   ///< of transforms
   bool capture = false;       ///< keeps what happens on the walk (walk_trace.h); else nothing of that is in the text
   bool count_visits = false;  ///< counts the visits of every node (Probe::count_visits); else nothing of that is
+  bool finish = false;        ///< walks nothing: makes results of what bundles have found
+  int bundle = 1;             ///< rays that walk the tree together; more than one: bundle.frag.glsl, never thorough
   bool operator==(const ProgramVariant&) const = default;
 };
 ProgramVariant program_variant(const GeometryImage& image, bool brute_force, bool thorough);

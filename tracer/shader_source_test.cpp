@@ -52,6 +52,22 @@ TEST_CASE("every variant compiles, in GLSL 3.30 and in GLSL ES 3.00", "[shader]"
   }
 }
 
+TEST_CASE("bundles compile, in GLSL 3.30 and in GLSL ES 3.00", "[shader]") {
+  GlContext context;
+  for (const GlslDialect dialect : {GlslDialect::glsl_330, GlslDialect::es_300}) {
+    for (const int rays : {2, 3, 4}) {
+      ProgramVariant variant;
+      variant.has_triangles = variant.has_spheres = true;
+      variant.bundle = rays;
+      variant.layout = rays == 3 ? Layout::paper : Layout::compact;
+      variant.has_transforms = variant.out_inverse = rays == 2;
+      INFO("bundles of " << rays);
+      REQUIRE_NOTHROW(GlProgram(
+          context, link_program(context, probe_vertex_shader(dialect), probe_fragment_shader(variant, {}, dialect))));
+    }
+  }
+}
+
 TEST_CASE("a compile error names our file and line", "[shader]") {
   GlContext context;
   const std::array<ShaderPatch, 1> patches{

@@ -26,6 +26,12 @@ inline constexpr double kNoLabel = 33554432.0;
 /// The kind of a result, in the low three bits of its first word; the primitive's number stands above.
 inline constexpr std::uint32_t kWordMiss = 0, kWordHit = 1, kWordUndefined = 2, kWordCapped = 3;
 inline constexpr std::uint32_t kWordUnfinished = 4;  ///< the words hold the state of a walk that must go on
+/// What a resumed pass may read in its place: a ray that a bundle has brought to its end, and one that it has left to
+/// begin anew.
+inline constexpr std::uint32_t kStateEnded = 1, kStateNew = 0;
+
+/// Rays of the largest bundle: each needs two of the eight targets that drivers have.
+inline constexpr int kMostBundled = 4;
 
 /// Of a capturing pass (walk_trace.h): its pixels, all but the last of which keep an event, and the event's kind in the
 /// low three bits of its first word.

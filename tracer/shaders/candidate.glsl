@@ -1,23 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The nearest hit so far, and how a primitive becomes it. Tree and brute force share every line of this, and the result
-// does not depend on the order in which primitives come: the least t wins, among equal t the lowest primitive number.
-
-struct Nearest {
-  float t;
-  float label;   // the primitive's number + 1; NO_LABEL where nothing is hit yet
-  int address;   // where the primitive stands
-  vec2 weights;  // barycentrics of the second and the third corner
-  int tests;     // primitives tested
-  int pending;   // address of a triangle that is seen edge-on and waits for resolve_pending; -1 where there is none
-#ifdef HAS_TRANSFORMS
-  // Here t only bounds the walk in the space at hand: no nearer hit of that space has a greater one.
-  float t_world;  // of the hit, by the world's walking ray
-  float t_space;  // of the hit, by the walking ray of the space it is in
-  int space;      // the node that shows it
-#endif
-};
-
-PRECISE Nearest nearest;
+// How a primitive becomes the nearest hit. Tree and brute force share every line of this, and the result does not depend
+// on the order in which primitives come: the least t wins, among equal t the lowest primitive number.
 
 #ifdef HAS_TRANSFORMS
 // The bound on t in the space of `ray` that keeps every hit that is as near as t_world: the margin is more than the
@@ -75,13 +58,11 @@ void capture_primitive(uint kind, bool hit, bool pending, float t, float label, 
 }
 
 #endif
-// Tests the primitive at an address. Returns its label: negative on the last of a cluster.
-float test_primitive(int address) {
-  vec4 p0 = primitive_0(address), p1 = primitive_1(address);
+// Tests `ray` against a primitive, given by its texels.
+void test_primitive(int address, vec4 p0, vec4 p1, vec4 p2) {
   float label = abs(p0.w);
   ++nearest.tests;
 #ifdef HAS_TRIANGLES
-  vec4 p2 = primitive_2(address);
   TriangleHit triangle = intersect_triangle(p0.xyz, p1.xyz, p2.xyz);
   bool hit = triangle.inside && !triangle.edge_on;
   bool pending = triangle.inside && triangle.edge_on;
@@ -113,8 +94,26 @@ float test_primitive(int address) {
 #ifdef CAPTURE
   capture_primitive(CAPTURE_PRIMITIVE, hit, nearest.pending == address, t, p0.w, address, weights, before);
 #endif
+}
+
+// Tests the primitive at an address. Returns its label: negative on the last of a cluster.
+float test_primitive(int address) {
+  vec4 p0 = primitive_0(address), p1 = primitive_1(address);
+#ifdef HAS_TRIANGLES
+  vec4 p2 = primitive_2(address);
+#else
+  vec4 p2 = vec4(0.0);
+#endif
+  FOR_EACH_RAY(test_primitive(address, p0, p1, p2))
   return p0.w;
 }
+
+// Whether the walk has to stop for a triangle seen edge-on. A bundle goes on: the ray that meets one walks alone later.
+#if BUNDLE_SIZE == 1
+bool walk_waits() { return nearest.pending >= 0; }
+#else
+bool walk_waits() { return false; }
+#endif
 
 #ifdef THOROUGH
 // A triangle seen edge-on costs several times an ordinary one and is rare: the walk stops at it, it is settled here,

@@ -1,14 +1,6 @@
 // SPDX-License-Identifier: MIT
 // One ray per pixel: rays come from a texture, results go to three integer targets, whose words no driver converts.
 
-// Texels 2 i and 2 i + 1 are origin and t_max, direction and 0 of the ray of pixel i, counted row by row.
-#ifdef BUFFER_TEXTURES
-uniform samplerBuffer u_rays;
-vec4 ray_texel(int i) { return texelFetch(u_rays, i); }
-#else
-uniform sampler2D u_rays;
-vec4 ray_texel(int i) { return texelFetch(u_rays, ivec2(i % (2 * BATCH_WIDTH), i / (2 * BATCH_WIDTH)), 0); }
-#endif
 uniform usampler2D u_state;      // read where walks are resumed: what an unfinished pixel wrote, STATE_TEXELS texels a pixel
 
 layout(location = 0) out uvec4 out_0;  // kind + 8 * primitive, t, steps, primitives tested
@@ -21,33 +13,13 @@ layout(location = 3) out uvec4 out_3;  // instance + 1, or 0 in the world; trans
 #define STATE_TEXELS 3
 #endif
 
-void start() {
-  walk.cluster_at = -1;
-  walk.cluster_next = 0;
-  walk.steps = 0;
-  walk.ended = false;
-  nearest.t = ray.t_best;
-  nearest.label = NO_LABEL;
-  nearest.address = 0;
-  nearest.weights = vec2(0.0);
-  nearest.tests = 0;
-  nearest.pending = -1;
-#ifdef HAS_TRANSFORMS
-  world_ray = ray;
-  walk.space = SPACE_WORLD;
-  walk.request = REQUEST_NONE;
-  walk.transforms = 0;
-  walk.stalled = false;
-  nearest.t_world = ray.t_best;
-  nearest.t_space = 0.0;
-  nearest.space = SPACE_NONE;
-#endif
-  start_walk();
-}
-
+// A pass goes on with what another one has left. The first word tells how: KIND_UNFINISHED, or that a bundle has found
+// all that is to be found (STATE_ENDED), or has left the ray alone, to begin anew (STATE_NEW).
 void start_or_resume(ivec2 pixel) {
   start();
-  if (pass_range.y != 0) {
+  start_walk();
+  uint how = pass_range.y != 0 ? texelFetch(u_state, ivec2(pixel.x * STATE_TEXELS, pixel.y), 0).x & 7u : STATE_NEW;
+  if (how != STATE_NEW) {
     ivec2 at = ivec2(pixel.x * STATE_TEXELS, pixel.y);
     uvec4 s0 = texelFetch(u_state, at, 0);
     uvec4 s1 = texelFetch(u_state, at + ivec2(1, 0), 0);
@@ -76,6 +48,7 @@ void start_or_resume(ivec2 pixel) {
 #endif
 #endif
   }
+  if (how == STATE_ENDED) walk.ended = true;
 #ifdef HAS_TRANSFORMS
   if ((world_ray.misses && !world_ray.too_far) || !world_ray.defined) walk.ended = true;
 #else
@@ -173,6 +146,7 @@ void main() {
   if (pass_range.y != CAPTURE_GOES_ON) capture_ray(CAPTURE_RAY, -1, ray.misses, nearest.t);
 #endif
 
+#ifndef FINISH  // this driver runs the body of a loop once, even where no pixel enters it
 #ifdef HAS_TRANSFORMS
   bool is_walking = !walk.ended && !ray.cut;
 #ifndef THOROUGH
@@ -206,6 +180,7 @@ void main() {
   if (!walk.ended && !ray.too_far) walk_tree();
 #endif
 #endif
+#endif
   // A ray that waits for a triangle seen edge-on, comes from very far, or whose loops the driver has ended, goes on in another pass with
   // the thorough program: what is rare costs the others nothing there, since this driver runs both sides of every `if`.
   bool unfinished = nearest.pending >= 0 || (!walk.ended && walk.steps < pass_walk.w);
@@ -221,6 +196,7 @@ void main() {
   if (unfinished) {
     ray = world_ray;
     start();
+    start_walk();
   }
 #endif
   if (unfinished || !complete) write_unfinished();

@@ -23,6 +23,9 @@ struct WalkRay {
   float t_scale, t_shift;
   bool cut;  // true: the driver ended a loop before its time, so that this ray is not to be used
 #endif
+#ifdef BOUNDS_AABB
+  vec3 slabs;  // 1 / d, made finite (bounds.glsl)
+#endif
 };
 
 // All arithmetic that leads to a walking ray or a hit is done as written: programs of other variants, compiled with other code around it, must come

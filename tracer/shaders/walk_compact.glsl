@@ -25,7 +25,7 @@ void go_behind(int leaf) { walk.at.x = leaf + NODE_TEXELS; }
 void walk_tree() {
   int at = walk.at.x;
 #ifdef BOUNDS_AABB
-  vec3 inverse = slab_inverse(ray.d);
+  FOR_EACH_RAY(set_slabs())
 #endif
   for (;;) {
     int word = 0;
@@ -37,10 +37,10 @@ void walk_tree() {
 #ifdef BOUNDS_AABB
       vec4 more = texel(at + 1);
       bool is_end = word == END_WORD;
-      bool is_hit = is_end || meets_box(node.xyz, more.xyz, inverse);
+      bool is_hit = is_end || box_is_met(node.xyz, more.xyz);
       leaf_is_hit = is_hit && word < 0;
 #else
-      float distance2 = distance2_to_segment(node.xyz);
+      float distance2 = distance2_to_segments(node.xyz);
       bool is_hit = distance2 <= abs(node.w);
       leaf_is_hit = distance2 <= -node.w;
 #endif
@@ -65,7 +65,7 @@ void walk_tree() {
 #endif
     int address = walk.cluster_at == at ? walk.cluster_next : word & pass_walk.z;
     bool is_last = !in_cluster;
-    while (!is_last && nearest.pending < 0 && is_primitive(address)) {
+    while (!is_last && !walk_waits() && is_primitive(address)) {
       is_last = test_primitive(address) < 0.0;
       address = next_primitive(address);
     }
@@ -82,7 +82,7 @@ void walk_tree() {
       --walk.steps;  // the leaf will be visited again
     }
     if (in_cluster && is_last) at += NODE_TEXELS;
-    if (walk.ended || nearest.pending >= 0 || walk.steps >= pass_walk.w) break;
+    if (walk.ended || walk_waits() || walk.steps >= pass_walk.w) break;
 #ifdef HAS_TRANSFORMS
     if (walk.request != REQUEST_NONE) break;
 #endif
@@ -92,3 +92,15 @@ void walk_tree() {
   }
   walk.at.x = at;
 }
+
+#if defined(HAS_TRANSFORMS) && BUNDLE_SIZE > 1
+// Whether `ray` meets the leaf that the walk has stopped at.
+bool meets_leaf() {
+  vec4 node = texel(walk.at.x);
+#ifdef BOUNDS_AABB
+  return meets_box(node.xyz, texel(walk.at.x + 1).xyz);
+#else
+  return distance2_to_segment(node.xyz) <= -node.w;
+#endif
+}
+#endif

@@ -39,7 +39,7 @@ void walk_tree() {
   vec2 at = intBitsToFloat(walk.at);
   if (at.x < 0.0) end_region();  // nothing is left behind the last primitive, which was seen edge-on, or transform
 #ifdef BOUNDS_AABB
-  vec3 inverse = slab_inverse(ray.d);
+  FOR_EACH_RAY(set_slabs())
 #endif
   for (;;) {
     if (walk.ended) break;
@@ -53,9 +53,9 @@ void walk_tree() {
       links = textureLod(u_geometry, at + vec2(0.0, pass_factor.z), 0.0);
       ++walk.steps;
 #ifdef BOUNDS_AABB
-      bool is_hit = meets_box(node.xyz, textureLod(u_geometry, at + vec2(pass_factor.y, 0.0), 0.0).xyz, inverse);
+      bool is_hit = box_is_met(node.xyz, textureLod(u_geometry, at + vec2(pass_factor.y, 0.0), 0.0).xyz);
 #else
-      bool is_hit = distance2_to_segment(node.xyz) <= node.w;
+      bool is_hit = distance2_to_segments(node.xyz) <= node.w;
 #endif
       geometry = is_hit ? links.xy : links.zw;
 #ifdef COUNT_VISITS
@@ -75,7 +75,7 @@ void walk_tree() {
     int cell = link_cell(at);
     int address = walk.cluster_at == cell ? walk.cluster_next : (link_cell(geometry) - pass_image.z) / PRIMITIVE_STRIDE;
     bool is_last = !in_cluster;
-    while (!is_last && nearest.pending < 0 && is_primitive(address)) {
+    while (!is_last && !walk_waits() && is_primitive(address)) {
       is_last = test_primitive(address) < 0.0;
       address = next_primitive(address);
     }
@@ -93,12 +93,25 @@ void walk_tree() {
     if (in_cluster && is_last) {
       at = links.zw;
       // A triangle that waits is resolved in this space before it is left.
-      if (at.x < 0.0 && nearest.pending < 0) end_region();
+      if (at.x < 0.0 && !walk_waits()) end_region();
     }
-    if (nearest.pending >= 0 || walk.steps >= pass_walk.w) break;
+    if (walk_waits() || walk.steps >= pass_walk.w) break;
 #ifdef CAPTURE
     if (capture_is_full()) break;
 #endif
   }
   walk.at = floatBitsToInt(at);
 }
+
+#if defined(HAS_TRANSFORMS) && BUNDLE_SIZE > 1
+// Whether `ray` meets the leaf that the walk has stopped at.
+bool meets_leaf() {
+  vec2 at = intBitsToFloat(walk.at);
+  vec4 node = textureLod(u_geometry, at, 0.0);
+#ifdef BOUNDS_AABB
+  return meets_box(node.xyz, textureLod(u_geometry, at + vec2(pass_factor.y, 0.0), 0.0).xyz);
+#else
+  return distance2_to_segment(node.xyz) <= node.w;
+#endif
+}
+#endif

@@ -25,3 +25,21 @@ const int REQUEST_LEAVE = -2;
 #endif
 
 Walk walk;
+
+// The nearest hit so far.
+struct Nearest {
+  float t;
+  float label;   // the primitive's number + 1; NO_LABEL where nothing is hit yet
+  int address;   // where the primitive stands
+  vec2 weights;  // barycentrics of the second and the third corner
+  int tests;     // primitives tested
+  int pending;   // address of a triangle that is seen edge-on and waits for resolve_pending; -1 where there is none
+#ifdef HAS_TRANSFORMS
+  // Here t only bounds the walk in the space at hand: no nearer hit of that space has a greater one.
+  float t_world;  // of the hit, by the world's walking ray
+  float t_space;  // of the hit, by the walking ray of the space it is in
+  int space;      // the node that shows it
+#endif
+};
+
+PRECISE Nearest nearest;

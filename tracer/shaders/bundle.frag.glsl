@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: MIT
+// One bundle per pixel: rays come from a texture, the nearest hit of each goes to two integer targets. What follows from
+// it, position and normal, is the probe's to compute: drivers have eight targets.
+
+// Of ray k, targets 2 k and 2 k + 1: t (in the space of the hit), label (negative: the ray must walk alone), address,
+// steps of the bundle; weights, t and space by the world's count (candidate.glsl).
+layout(location = 0) out uvec4 out_0;
+layout(location = 1) out uvec4 out_1;
+layout(location = 2) out uvec4 out_2;
+layout(location = 3) out uvec4 out_3;
+#if BUNDLE_SIZE > 2
+layout(location = 4) out uvec4 out_4;
+layout(location = 5) out uvec4 out_5;
+#endif
+#if BUNDLE_SIZE > 3
+layout(location = 6) out uvec4 out_6;
+layout(location = 7) out uvec4 out_7;
+#endif
+
+void begin(int number) {
+  vec4 origin_and_end = ray_texel(2 * number);
+  prepare_ray(origin_and_end.xyz, ray_texel(2 * number + 1).xyz, origin_and_end.w);
+  start();
+  rest.in_space = REST_NONE;
+  rest.alone = false;
+}
+
+// Sets those aside that have no way to go, and those that this program can't take along.
+bool is_anyone_walking;
+void settle(int octant) {
+  bool is_over = !ray.defined || (ray.misses && !ray.too_far);
+  bool is_alone = ray.too_far;
+#ifdef HAS_TRANSFORMS
+  is_alone = is_alone || ray.cut || walks_elsewhere(octant_of(ray.d), octant);
+#endif
+  if (is_over || is_alone) rest_for_good(!is_over);
+  is_anyone_walking = is_anyone_walking || rest.in_space == REST_NONE;
+}
+
+uvec4 nearest_0() {
+  bool is_alone = !walk.ended || rest.alone || nearest.pending >= 0;
+  float label = is_alone ? -1.0 : nearest.label;
+#ifdef HAS_TRANSFORMS
+  return uvec4(floatBitsToUint(vec2(nearest.t_space, label)), nearest.address, walk.steps);
+#else
+  return uvec4(floatBitsToUint(vec2(nearest.t, label)), nearest.address, walk.steps);
+#endif
+}
+uvec4 nearest_1() {
+#ifdef HAS_TRANSFORMS
+  return uvec4(floatBitsToUint(vec3(nearest.weights, nearest.t_world)), nearest.space);
+#else
+  return uvec4(floatBitsToUint(nearest.weights), 0u, 0u);
+#endif
+}
+#define WRITE(K, FIRST, SECOND) TAKE_RAY(K) FIRST = nearest_0(), SECOND = nearest_1();
+
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  int number = (pixel.y * BATCH_WIDTH + pixel.x) * BUNDLE_SIZE;
+  FOR_EACH_RAY(begin(number++))
+  TAKE_RAY(0)
+  start_walk();
+  int octant = octant_of(ray.d);
+  is_anyone_walking = false;
+  FOR_EACH_RAY(settle(octant))
+  walk.ended = !is_anyone_walking;
+#ifdef HAS_TRANSFORMS
+  bool is_walking = !walk.ended;
+  while (is_walking) {
+    if (is_walking) {
+      walk_tree();
+      change_space();
+      is_walking = !walk.ended && walk.steps < pass_walk.w;
+    }
+  }
+#else
+  if (!walk.ended) walk_tree();
+#endif
+  WRITE(0, out_0, out_1)
+  WRITE(1, out_2, out_3)
+#if BUNDLE_SIZE > 2
+  WRITE(2, out_4, out_5)
+#endif
+#if BUNDLE_SIZE > 3
+  WRITE(3, out_6, out_7)
+#endif
+}
