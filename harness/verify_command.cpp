@@ -57,11 +57,10 @@ std::string place_of(const Finding& f) {
   return text.empty() ? "the image" : text;
 }
 
-/// How many rules could be judged with what was given.
-std::size_t judged_rules(const Subject& s) {
-  std::size_t count = 0;
-  for (const VerifyRule& rule : verify_rules()) count += rule.needs == VerifyRule::Needs::image || s.scene != nullptr;
-  return count;
+/// Whether a rule was decided: what it needs was given, and nothing that is broken kept it from being looked at.
+bool is_judged(const VerifyRule& rule, const Subject& s, const Certificate& c) {
+  return (rule.needs == VerifyRule::Needs::image || s.scene != nullptr) &&
+         !c.undecided.contains(std::string(rule.name));
 }
 
 void print_certificate(const std::string& name, const Subject& s, const Certificate& c) {
@@ -90,10 +89,15 @@ void print_certificate(const std::string& name, const Subject& s, const Certific
     if (count->second > kShownOfRule)
       std::printf("  and %llu more\n", static_cast<unsigned long long>(count->second - kShownOfRule));
   }
-  const std::size_t judged = judged_rules(s), all = verify_rules().size();
+  std::size_t judged = 0;
+  for (const VerifyRule& rule : verify_rules()) judged += is_judged(rule, s, c);
+  std::string undecided;
+  for (const std::string& rule : c.undecided) undecided += (undecided.empty() ? "" : ", ") + rule;
   std::printf("%sverdict      %s; %zu of %zu rules judged%s\n", c.is_sound() ? "" : "\n",
-              c.is_sound() ? "sound" : "BROKEN", judged, all,
-              judged < all ? ", the others need the scene: give --scene SCENE" : "");
+              c.is_sound() ? "sound" : "BROKEN", judged, verify_rules().size(),
+              s.scene == nullptr ? ", some need the scene: give --scene SCENE" : "");
+  if (!undecided.empty())
+    std::printf("             not decided, because something else is broken: %s\n", undecided.c_str());
   std::printf("time         %.2f s", c.seconds);
   if (s.bake_seconds > 0.0) std::printf("; the bake took %.2f s", s.bake_seconds);
   std::printf("\n");
@@ -104,11 +108,10 @@ std::string certificate_json(const std::string& name, const Subject& s, const Ce
   Json rules = Json::array(), findings = Json::array();
   for (const VerifyRule& rule : verify_rules()) {
     const auto count = c.counts.find(std::string(rule.name));
-    const bool judged = rule.needs == VerifyRule::Needs::image || s.scene != nullptr;
     rules.push_back({{"name", rule.name},
                      {"says", rule.says},
                      {"effect", rule.effect},
-                     {"judged", judged},
+                     {"judged", is_judged(rule, s, c)},
                      {"broken", count == c.counts.end() ? 0 : count->second}});
   }
   for (const Finding& f : c.findings) {
