@@ -112,7 +112,8 @@ Surface surface_at_item() {
   s.n = normal;
 
   // The primitive's own numbers, in its space.
-  vec3 reach = vec3(0.0);  // E of SEMANTICS 6.5
+  vec3 reach = vec3(0.0);  // E of SEMANTICS 6.5 ...
+  float size = 0.0;        // ... and D
   vec2 uv = vec2(0.0);
   bool has_uv = false;
   vec3 shading_normal = vec3(0.0);
@@ -139,6 +140,8 @@ Surface surface_at_item() {
     vec4 t6 = shading_texel(place + 6);
     material = int(t0.w);
     reach = max(max(abs(t0.xyz), abs(t1.xyz)), abs(t2.xyz));
+    vec3 box = max(max(t0.xyz, t1.xyz), t2.xyz) - min(min(t0.xyz, t1.xyz), t2.xyz);
+    size = max(max(box.x, box.y), box.z);
     float first = (1.0 - weights.x) - weights.y;
     vec3 sum = unit(first * t3.xyz + weights.x * t4.xyz + weights.y * t5.xyz);
     if (t1.w > 0.0) shading_normal = dot(sum, part_normal) < 0.0 ? -sum : sum;
@@ -177,6 +180,7 @@ Surface surface_at_item() {
     shading_normal = vec3(0.0);
     material = int(u_axis.w);
     reach = max(abs(place.xyz), abs(s.p));
+    size = 0.0;
     has_uv = true;
     uv = vec2(dot(from_center, u_axis.xyz), dot(from_center, v_axis.xyz)) * (1.0 / plane.w);
     pu = plane.w * u_axis.xyz;
@@ -204,6 +208,8 @@ Surface surface_at_item() {
 #ifdef HAS_TRANSFORMS
   if (instance >= 0 && !on_ground) {
     m = unit(in_x.xyz * m.x + in_y.xyz * m.y + in_z.xyz * m.z);
+    vec3 rows = vec3(dot(abs(out_x.xyz), vec3(1.0)), dot(abs(out_y.xyz), vec3(1.0)), dot(abs(out_z.xyz), vec3(1.0)));
+    size *= max(max(rows.x, rows.y), rows.z);
     // |L| |L^-1| (|L| e + |T|)
     vec3 taken_out = vec3(dot(abs(out_x.xyz), reach) + abs(out_x.w), dot(abs(out_y.xyz), reach) + abs(out_y.w),
                           dot(abs(out_z.xyz), reach) + abs(out_z.w));
@@ -214,6 +220,6 @@ Surface surface_at_item() {
   bool is_turned = dot(s.from.d, s.outside) > 0.0;
   s.facing = is_turned ? -s.outside : s.outside;
   s.n = is_turned ? -m : m;
-  s.delta = DELTA * dot(abs(s.outside), reach);
+  s.delta = DELTA * (dot(abs(s.outside), reach) + size);
   return s;
 }
