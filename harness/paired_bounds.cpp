@@ -30,8 +30,9 @@
 //
 // delta needs three digits (SEMANTICS 6.5): 2^-10 of it; and what N, by which it is measured, may differ.
 //
-// Ground. t = (c - o).N / d.N has 4u |c - o| / |d.N| + 4u |t| / |d.N| + 2u |t|; the place that, and 6u (|o - c| + t)
-// twice, for moving it into the plane.
+// Ground. t = (c - o).N / d.N has 4u |c - o|.|N| / |d.N| + 4u |t| |d|.|N| / |d.N| + 2u |t|, bars meaning absolute
+// values of components: nothing where the ray starts in a plane along the axes. The place has that, and 6u (|o - c| +
+// t) twice, for moving it into the plane.
 //
 // Light. q = place + R p: sqrt(3) u |q| + R (kBody + 2u). l = unit(q - P): dl = (dq + dP + 2u |q - P|) / |q - P| +
 // kUnit. n.l: dn + dl + 4u. h = unit(l - d): dh = (dl + 6u) / |l - d| + kUnit, since d is off unit length by 3u. x =
@@ -225,13 +226,16 @@ SeenGround meet_ground(const Scene& scene, const Ray& ray) {
   if (!(ground.radius > 0.0f)) return seen;
   seen.hit = ground_hit(scene, ray);
   const glm::dvec3 o(ray.origin), d(ray.direction), c(ground.center), normal(ground.normal);
-  const double along = glm::dot(d, normal), t = glm::dot(c - o, normal) / along, way = glm::length(o - c);
-  const double length = glm::length(d);
-  if (!(std::fabs(along) > 4.0 * u * length)) {
-    if (along != 0.0) seen.undecided = near_limit("the ray's slope to the ground", along, 4.0 * u * length);
+  const double along = glm::dot(d, normal), above = glm::dot(c - o, normal), way = glm::length(o - c);
+  const double length = glm::length(d), along_error = 4.0 * u * glm::dot(glm::abs(d), glm::abs(normal)),
+               above_error = 4.0 * u * glm::dot(glm::abs(c - o), glm::abs(normal));
+  if (above_error == 0.0 || along_error == 0.0) return seen;  // exactly in the plane, or along it
+  if (!(std::fabs(along) > along_error)) {
+    seen.undecided = near_limit("the ray's slope to the ground", along, along_error);
     return seen;
   }
-  seen.t = (4.0 * u * way + 4.0 * u * std::fabs(t) * length) / std::fabs(along) + 2.0 * u * std::fabs(t);
+  const double t = above / along;
+  seen.t = (above_error + along_error * std::fabs(t)) / (std::fabs(along) - along_error) + 2.0 * u * std::fabs(t);
   const double place = seen.t * length + 6.0 * u * (way + std::fabs(t) * length),
                rim = glm::length(o + t * d - c) - static_cast<double>(ground.radius);
   if (!(rim <= place) || !(t > -seen.t) || !(t <= static_cast<double>(ray.t_max) + seen.t)) return seen;
