@@ -104,6 +104,7 @@ struct Arguments {
 };
 
 constexpr std::uint64_t kNightlyCaptured = 1 << 16;  ///< rays of a picture of each scene
+constexpr std::uint64_t kNightlySamples = 24'000;    ///< of each scene and effect, followed step by step
 
 /// The catalogue over `scenes` with `rays` per family and scene, or as many as make `total` in all on scenes without
 /// transforms.
@@ -122,7 +123,7 @@ CatalogueOptions whole_catalogue(std::uint64_t rays, std::uint64_t total) {
   CatalogueOptions options = catalogue_options(every_scene(), rays, total);
   options.pictures = effect_scenes();
   options.whole = true;
-  if (rays == 0 && total > 0) options.captured_rays = kNightlyCaptured;
+  if (rays == 0 && total > 0) options.captured_rays = kNightlyCaptured, options.paired_samples = kNightlySamples;
   return options;
 }
 
