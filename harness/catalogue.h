@@ -24,7 +24,8 @@ struct CaseContext {
 
 struct Case {
   std::string name;        ///< dotted and stable: "hits.aimed_edges.creature"
-  std::string feature;     ///< "hits", "driver", "layers", "variants", "bundles", "bake", "transforms"
+  std::string feature;     ///< "hits", "driver", "layers", "variants", "bundles", "bake", "transforms", or an effect:
+                           ///< "soft_shadow"
   std::string scene;       ///< name, or empty
   std::string spec;        ///< what loads the scene, or empty
   std::string family;      ///< of rays, or empty

@@ -285,8 +285,12 @@ std::vector<Verdict> judge_shadows(Session& session, const Stage& stage, const T
       differs[i] = stage.embree.is_blocked(tapped.rays[i]) != (tapped.hits[i].kind == HitKind::hit) ? 1 : 0;
   });
   for (std::size_t i = 0; i < tapped.rays.size(); ++i) {
-    tally.shadow_rays += tapped.has(i) ? 1 : 0;
-    if (differs[i] == 0) continue;
+    if (!tapped.has(i)) continue;
+    ++tally.shadow_rays;
+    if (differs[i] == 0) {
+      ++tally.verdicts[static_cast<std::size_t>(Verdict::agree)];
+      continue;
+    }
     const std::array rays{tapped.rays[i]};
     std::array<Hit, 1> nearest;
     session.probe(stage).trace(rays, nearest);

@@ -44,12 +44,11 @@ struct PairedTally {
   std::uint64_t rays = 0, shadow_rays = 0;
   std::uint64_t above_tenth = 0;               ///< agreeing samples whose colour uses more than 10 % of its bound
   std::array<double, kPairedSteps> largest{};  ///< of each kind of step that agreed, error over bound
-  std::array<std::uint64_t, kVerdictCount>
-      verdicts{};                      ///< of the rays, shadow rays included where they were arbitrated
-  std::vector<double> end_to_end;      ///< of each sample that agrees
-  std::vector<PairedSample> kept;      ///< the first samples that differ, then some that stand apart
-  std::vector<float> error_in_bounds;  ///< by pixel: the largest of its samples; the picture's size
-  std::vector<std::uint8_t> verdict;   ///< by pixel: the gravest SampleVerdict
+  std::array<std::uint64_t, kVerdictCount> verdicts{};  ///< of all rays
+  std::vector<double> end_to_end;                       ///< of each sample that agrees
+  std::vector<PairedSample> kept;                       ///< the first samples that differ, then some that stand apart
+  std::vector<float> error_in_bounds;                   ///< by pixel: the largest of its samples; the picture's size
+  std::vector<std::uint8_t> verdict;                    ///< by pixel: the gravest SampleVerdict
 };
 
 /// Compares all samples of a batch. `prepared` is the stage's scene as the tracer saw it (lights, camera, effects,

@@ -20,12 +20,13 @@
 //
 // Surface. Position, normal and weights are the tracer's own, judged before by value_bounds. The shading normal of a
 // triangle with normals n_i: w_0 = 1 - w_1 - w_2 has 2u, the stored n_i 2u, products and sums 3u: 8u / |sum| + kUnit.
-// Into and out of an instance's space: 6u of |L^-T| |m| over |L^-T m|. (u, v): 6u of the largest coordinate, then w
-// (that + 2u) + u texels. A bilinear value changes by no more for a texel's way than the steepest pair of neighbours
-// within reach, its slopes by the largest change of a central difference from texel to texel, times half the texture's
-// size; 6u of the values beside it. The bump's gradient G = (F_u Pv x m + F_v m x Pu) / A, with kappa = |Pu| |Pv| /
-// |A|: (dF_u |Pv| + dF_v |Pu|) / |A| + (2 kappa dm + 16u (kappa + kappa_D)) (|F_u| |Pv| + |F_v| |Pu|) / |A|, kappa_D
-// being what D and the differences of coordinates cancel. n = unit(m - G).
+// Into an instance's space: 6u of |L^T| |N| over |L^T N|, out of it 6u of |L^-T| |m| over |L^-T m|, components apart.
+// (u, v): 6u of the largest coordinate, then w (that + 2u) + u texels. A bilinear value changes by no more for a
+// texel's way than the steepest pair of neighbours within reach, its slopes by the largest change of a central
+// difference from texel to texel, times half the texture's size; 6u of the values beside it. The bump's gradient G =
+// (F_u Pv x m + F_v m x Pu) / A, with kappa = |Pu| |Pv| / |A|: (dF_u |Pv| + dF_v |Pu|) / |A| + (2 kappa dm + 16u (kappa
+// + kappa_D)) (|F_u| |Pv| + |F_v| |Pu|) / |A|, kappa_D being what D and the differences of coordinates cancel. n =
+// unit(m - G).
 //
 // delta needs three digits (SEMANTICS 6.5): 2^-10 of it; and what N, by which it is measured, may differ.
 //
@@ -181,16 +182,15 @@ double bumped_error(const Texture& heights, double scale, const glm::dvec2& uv, 
   return (m_error + gradient_error) * std::max(1.0, kappa) + kUnit;
 }
 
-/// The shading normal taken into an instance's space and out of it again.
-double placed_error(const InstanceView& view, double local_error, const glm::dvec3& outside) {
-  const glm::dmat3& out = view.normals;
-  const glm::dmat3 in = glm::transpose(view.to_world.linear);
-  const auto size = [](const glm::dmat3& m) {
-    return std::sqrt(glm::dot(m[0], m[0]) + glm::dot(m[1], m[1]) + glm::dot(m[2], m[2]));
-  };
-  const double least_in = glm::length(in * outside), least_out = 1.0 / size(in);
-  return (local_error + 6.0 * u * size(in) / least_in + kUnit) * size(out) / std::max(least_out, 1e-300) +
-         6.0 * u * size(out) / std::max(least_out, 1e-300) + kUnit;
+/// What an error of the shading normal in an instance's space, each component at most `local_error`, becomes in the
+/// world, with the ways in (of a flat surface's normal) and out.
+double placed_error(const InstanceView& view, double local_error, const Surface& surface) {
+  const auto absolute = [](const glm::dmat3& m) { return glm::dmat3(glm::abs(m[0]), glm::abs(m[1]), glm::abs(m[2])); };
+  const glm::dmat3 in = glm::transpose(view.to_world.linear), out = absolute(view.normals);
+  const glm::dvec3 entered = in * surface.shading, m = glm::abs(entered) / glm::length(entered);
+  const glm::dvec3 error = local_error + (kUnit + 6.0 * u) * m +
+                           6.0 * u * (absolute(in) * glm::abs(surface.outside)) / glm::length(in * surface.outside);
+  return glm::length(out * error) * glm::length(entered) + kUnit;  // |L^-T m| = 1 / |L^T n|
 }
 
 double start_error(const SeenSurface& seen) {
@@ -323,7 +323,7 @@ SeenSurface see_surface(const PreparedScene& prepared, const BoundsContext& cont
     }
   }
   seen.shading =
-      hit.instance == kNone ? local_error + kUnit : placed_error(prepared.views[hit.instance], local_error, normal);
+      hit.instance == kNone ? local_error + kUnit : placed_error(prepared.views[hit.instance], local_error, s);
   return seen;
 }
 

@@ -83,7 +83,7 @@ void run_paired(CaseContext& context, const Case& self, CaseRecord& record, Pair
     compare_picture(context.session, self.spec, scene, settings, tally);
     context.progress(model == Effects::Model::paper ? 0.5 : 1.0);
   }
-  record.rays = tally.rays;
+  record.rays = tally.rays + tally.shadow_rays;
   for (const Verdict v : kVerdicts)
     if (const std::uint64_t count = tally.verdicts[static_cast<std::size_t>(v)]; count > 0)
       record.verdicts[std::string(verdict_name(v))] = count;

@@ -121,11 +121,16 @@ const std::vector<Fault> kFaults{
      PairedEffects::none,
      PairedStep::refracted,
      {"scatter.frag.glsl", "bool is_total = k < 0.0;", "bool is_total = false;"}},
-    {"diffuse term without the texture",
+    {"textures fainter by one part in 1000",
      "dof",
      PairedEffects::none,
      PairedStep::color,
-     {"surface.glsl", "s.color *= look_up", "s.color *= 1.0 + 0.001 * look_up"}},
+     {"surface.glsl", "s.color *= look_up", "s.color *= 0.999 * look_up"}},
+    {"diffuse term brighter by 2^-15",
+     "glossy",
+     PairedEffects::none,
+     PairedStep::color,
+     {"light.frag.glsl", "(s.kd * along * s.color", "(1.000030517578125 * s.kd * along * s.color"}},
 };
 
 }  // namespace
