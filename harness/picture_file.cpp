@@ -76,6 +76,10 @@ PictureAttributes picture_attributes(const std::string& engine, const std::strin
 void require_picture_name(const std::filesystem::path& path) {
   if (path.extension() != ".png" && path.extension() != ".exr")
     throw InputError(path.string() + ": a picture's name ends in .exr or .png");
+  std::error_code failure;
+  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  if (!std::filesystem::is_directory(folder, failure))
+    throw InputError(path.string() + ": there is no folder " + folder.string() + "; make it first");
 }
 
 Image picture_image(const Picture& picture, const PictureAttributes& attributes) {

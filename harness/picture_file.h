@@ -37,7 +37,8 @@ std::string effect_names(const Effects& effects);
 /// Switches on the effects that a list names, and no others. Throws InputError for other names.
 void set_effects(const std::string& list, Effects& effects);
 
-/// Throws InputError for a name that ends in neither .exr nor .png.
+/// Throws InputError for a name that ends in neither .exr nor .png, and for a folder that is not there: before anything is
+/// rendered.
 void require_picture_name(const std::filesystem::path& path);
 
 Image picture_image(const Picture& picture, const PictureAttributes& attributes);
