@@ -376,7 +376,8 @@ struct Renderer::Impl {
       go_to(settings.time);
       return over_tiles([&] {
         for (std::uint32_t f = 0; f < wanted;) {
-          const std::uint32_t frames = lay_out(first + f, wanted - f);
+          const std::uint32_t most = noise ? noise->most_frames() : wanted;
+          const std::uint32_t frames = lay_out(first + f, std::min(wanted - f, most));
           sample_batch();
           f += frames;
           if (!tell(frames)) return false;
