@@ -68,25 +68,36 @@ std::string told(const std::string& name, const ProfileResult& r) {
   return text;
 }
 
-void add_figures(const std::string& name, const ClosedFormInfo& info, const ProfileResult& r, CaseRecord& record) {
-  const auto add = [&](const char* what, const char* unit, double value) {
-    record.figures.push_back({name + ": " + what, unit, value});
-  };
-  add("p", "", r.p);
-  if (r.degrees > 0.0) {
-    add("z", "standard errors", r.common_z);
-    add("chi-square", "", r.chi_square);
-    add("points", "", r.degrees);
-  }
-  add("pixels without variance", "pixels", static_cast<double>(r.sure_pixels));
-  if (r.points.empty()) return;
-  double least = INFINITY;
-  for (const PointResult& point : r.points) least = std::min(least, point.samples);
-  add("samples of a point, at least", "samples", least);
-  add("bias of one point that is seen with probability 0.99", "of white", r.detectable_point);
-  if (r.detectable_size > 0.0)
-    record.figures.push_back(
-        {name + ": error of the " + info.size + " that is seen with probability 0.99", "%", 100.0 * r.detectable_size});
+TableRecord new_table(const ClosedFormInfo& info) {
+  TableRecord table;
+  table.title = "How each renderer kept to the profile";
+  table.columns = {"renderer",
+                   "p",
+                   "points",
+                   "samples of a point",
+                   "chi-square",
+                   "sum of all (standard errors)",
+                   "pixels without variance",
+                   "bias of a point seen with probability 0.99"};
+  if (!info.size.empty()) table.columns.push_back("error of the " + info.size + " seen with probability 0.99");
+  return table;
+}
+
+void add_result(const std::string& name, const ClosedFormInfo& info, const ProfileResult& r, CaseRecord& record) {
+  record.figures.push_back({name + ": p", "", r.p});
+  if (r.degrees > 0.0) record.figures.push_back({name + ": z", "standard errors", r.common_z});
+  double least = 0.0;
+  for (const PointResult& point : r.points) least = least > 0.0 ? std::min(least, point.samples) : point.samples;
+  std::vector<std::string> row{name,
+                               value_text(r.p),
+                               std::to_string(r.points.size()),
+                               grouped(static_cast<std::uint64_t>(least)),
+                               r.degrees > 0.0 ? fixed(r.chi_square, 1) : "",
+                               r.degrees > 0.0 ? signed_number(r.common_z) : "",
+                               grouped(r.sure_pixels),
+                               r.points.empty() ? "" : value_text(r.detectable_point)};
+  if (!info.size.empty()) row.push_back(r.detectable_size > 0.0 ? fixed(100.0 * r.detectable_size, 2) + " %" : "");
+  record.tables.front().rows.push_back(std::move(row));
 }
 
 Case case_of(const ClosedFormInfo& info, const PictureSources& sources, std::uint64_t samples) {
@@ -106,6 +117,7 @@ Case case_of(const ClosedFormInfo& info, const PictureSources& sources, std::uin
     Plot residuals{info.axis, "deviation (standard errors)", false, false, {}};
     residuals.series = {level(curve, kInterval, "99 %"), level(curve, -kInterval, "")};
     const std::vector<PictureSource> renderers = sources(context);
+    record.tables.push_back(new_table(info));
     for (std::size_t i = 0; i < renderers.size(); ++i) {
       const PictureSource& source = renderers[i];
       const PictureMoments picture =
@@ -115,7 +127,7 @@ Case case_of(const ClosedFormInfo& info, const PictureSources& sources, std::uin
       const ProfileResult result = judge_profile(form.profile, picture, source.independent_pixels);
       if (!result.passed(kProfileLevel)) record.status = CaseStatus::failed;
       record.message += (record.message.empty() ? "" : "; ") + told(source.name, result);
-      add_figures(source.name, info, result, record);
+      add_result(source.name, info, result, record);
       PlotSeries measured{source.name, kColors[i % std::size(kColors)], false, {}, {}}, deviation = measured;
       for (const PointResult& point : result.points) {
         measured.x.push_back(point.place), measured.y.push_back(point.measured);
@@ -148,12 +160,17 @@ std::uint32_t frames_for(const Profile& profile, std::uint64_t samples) {
   if (!profile.exposed.empty())
     return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(samples / 4, kLeast, kMostMoving));
   std::vector<std::uint64_t> pixels(profile.place.size(), 0);
+  std::vector<bool> varies(profile.place.size(), false);
   for (std::size_t i = 0; i < profile.pixels.size(); ++i)
-    if (profile.pixels[i].variance > 0.0 && profile.point_of[i] != kNoPoint) ++pixels[profile.point_of[i]];
-  std::uint64_t points = 0, all = 0;
-  for (const std::uint64_t n : pixels) points += n > 0, all += n;
-  if (all == 0) return kWithoutVariance;
-  return static_cast<std::uint32_t>(std::clamp<std::uint64_t>((samples * points + all - 1) / all, kLeast, 0x7fffffff));
+    if (const std::uint32_t point = profile.point_of[i]; point != kNoPoint) {
+      ++pixels[point];
+      if (profile.pixels[i].variance > 0.0) varies[point] = true;
+    }
+  std::uint64_t fewest = 0;
+  for (std::size_t point = 0; point < pixels.size(); ++point)
+    if (varies[point]) fewest = fewest > 0 ? std::min(fewest, pixels[point]) : pixels[point];
+  if (fewest == 0) return kWithoutVariance;
+  return static_cast<std::uint32_t>(std::clamp<std::uint64_t>((samples + fewest - 1) / fewest, kLeast, 0x7fffffff));
 }
 
 PictureMoments render_profile(const ClosedForm& form, const PictureSource& source, std::uint64_t seed,

@@ -20,7 +20,7 @@ using PictureSources = std::function<std::vector<PictureSource>(CaseContext&)>;
 /// Those that the catalogue examines.
 std::vector<PictureSource> picture_sources(CaseContext& context);
 
-/// How many frames give every point that many samples, on average over points that have variance. With motion blur all
+/// How many frames give every point at least that many samples. With motion blur all
 /// samples of a frame share their time, and frames are slow: a quarter of that number, at most 2^15.
 std::uint32_t frames_for(const Profile& profile, std::uint64_t samples);
 

@@ -31,21 +31,24 @@ ClosedForm slanted_bars(Effects::Model model) {
   }
   Profile& profile = form.profile;
   profile.width = profile.height = kSide;
-  for (int i = 0; i < kPoints; ++i) profile.place.push_back((i + 0.5) * kPeriod / kPoints);
+  // Of a pixel's centre, across the bars.
+  const auto across_of = [&](int column, int row) {
+    return (column - 0.5 * (kSide - 1)) * cosine + (0.5 * (kSide - 1) - row) * sine;
+  };
   for (int row = 0; row < kSide; ++row)
     for (int column = 0; column < kSide; ++column) {
-      const double x = column - 0.5 * (kSide - 1), y = 0.5 * (kSide - 1) - row;
-      const double across = x * cosine + y * sine;  // of the pixel's centre
+      const double across = across_of(column, row);
       double black_part = 0.0;
       for (int k = -kBars; k <= kBars; ++k) {
         const double from = k * kPeriod + 0.1 - across;
         black_part += square_below(cosine, sine, from + kBar) - square_below(cosine, sine, from);
       }
       profile.pixels.push_back(SampleMoments::chance(1.0 - black_part));
-      const double phase = (across - 0.1) / kPeriod;
-      profile.point_of.push_back(
-          std::min<std::uint32_t>(kPoints - 1, static_cast<std::uint32_t>((phase - std::floor(phase)) * kPoints)));
     }
+  gather_evenly(profile, kPoints, [&](int column, int row) {
+    const double periods = (across_of(column, row) - 0.1) / kPeriod;
+    return (periods - std::floor(periods)) * kPeriod;
+  });
   return form;
 }
 

@@ -221,12 +221,7 @@ ClosedForm disc(Effects::Model model, double size, float radius, double wanted_p
                                           pitch * (column - center), pitch * (center - row)));
       });
   // A point is a ring.
-  const auto rings = static_cast<std::uint32_t>(std::ceil(std::sqrt(2.0) * center));
-  for (std::uint32_t ring = 0; ring < rings; ++ring) profile.place.push_back(pitch * (ring + 0.5));
-  for (int row = 0; row < kSide; ++row)
-    for (int column = 0; column < kSide; ++column)
-      profile.point_of.push_back(
-          std::min(rings - 1, static_cast<std::uint32_t>(std::hypot(column - center, row - center))));
+  gather_evenly(profile, 16, [&](int column, int row) { return pitch * std::hypot(column - center, row - center); });
   return form;
 }
 

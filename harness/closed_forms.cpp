@@ -3,6 +3,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -48,6 +49,22 @@ void fill_pixels(Profile& profile, const std::function<std::pair<int, int>(int c
   tbb::parallel_for(std::size_t{0}, first.size(),
                     [&](std::size_t i) { moments[i] = of(first[i].first, first[i].second); });
   for (const std::size_t number : number_of) profile.pixels.push_back(moments[number]);
+}
+
+void gather_evenly(Profile& profile, int points, const std::function<double(int column, int row)>& place) {
+  std::vector<std::pair<double, std::size_t>> order;
+  for (int row = 0; row < profile.height; ++row)
+    for (int column = 0; column < profile.width; ++column) order.emplace_back(place(column, row), order.size());
+  std::sort(order.begin(), order.end());
+  profile.point_of.resize(order.size());
+  profile.place.assign(static_cast<std::size_t>(points), 0.0);
+  std::vector<double> counts(profile.place.size(), 0.0);
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const std::size_t point = i * profile.place.size() / order.size();
+    profile.point_of[order[i].second] = static_cast<std::uint32_t>(point);
+    profile.place[point] += order[i].first, counts[point] += 1.0;
+  }
+  for (std::size_t point = 0; point < counts.size(); ++point) profile.place[point] /= counts[point];
 }
 
 Scene scene_for(Effects::Model model, const glm::vec3& from, const glm::vec3& at, const glm::vec3& up, int width,

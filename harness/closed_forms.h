@@ -73,6 +73,9 @@ double square_below(double cosine, double sine, double t);
 void fill_pixels(Profile& profile, const std::function<std::pair<int, int>(int column, int row)>& like,
                  const std::function<SampleMoments(int column, int row)>& of);
 
+/// Fills profile.point_of and profile.place with `points` points of equally many pixels, ordered by `place`.
+void gather_evenly(Profile& profile, int points, const std::function<double(int column, int row)>& place);
+
 /// An empty scene with only one effect on, seen by a camera whose pixels have the side `pixel` at distance 1. Its light
 /// lights nothing.
 Scene scene_for(Effects::Model model, const glm::vec3& from, const glm::vec3& at, const glm::vec3& up, int width,

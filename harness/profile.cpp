@@ -58,7 +58,7 @@ std::vector<Sum> joined(const std::vector<Sum>& points) {
   std::vector<Sum> result;
   bool is_open = false;
   for (const Sum& point : points) {
-    if (point.pixels == 0.0) continue;
+    if (!(point.variance > 0.0)) continue;
     if (is_open)
       result.back() += point;
     else
@@ -152,7 +152,7 @@ ProfileResult judge_profile(const Profile& profile, const PictureMoments& pictur
     result.sure_pixels += sample.variance == 0.0;
     const bool possible = is_possible(sample, picture.mean[i], picture.variance[i], frames);
     result.wrong_pixels += !possible;
-    if (sample.variance == 0.0 || !std::isfinite(picture.mean[i].g) || profile.point_of[i] == kNoPoint) continue;
+    if (!std::isfinite(picture.mean[i].g) || profile.point_of[i] == kNoPoint) continue;
     Sum one{profile.place[profile.point_of[i]],
             sample.mean,
             picture.mean[i].g,
@@ -174,7 +174,7 @@ ProfileResult judge_profile(const Profile& profile, const PictureMoments& pictur
   std::vector<Sum> judged;
   if (shares_time || apart) {
     std::copy_if(sums.begin(), sums.end(), std::back_inserter(judged), [&](const Sum& s) {
-      return s.pixels > 0.0 && (shares_time || std::fabs(s.skewness()) <= kLargestSkewness);
+      return s.variance > 0.0 && (shares_time || std::fabs(s.skewness()) <= kLargestSkewness);
     });
   } else {
     judged = joined(sums);
