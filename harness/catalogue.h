@@ -42,6 +42,7 @@ struct CatalogueOptions {
   std::uint64_t transform_rays = 1 << 14;  ///< per family, way out of a transform, and scene of instances
   std::uint64_t moved_rays = 1 << 9;       ///< per family and frame, after updates, and per variant there
   std::uint64_t bundle_rays = 1 << 6;      ///< per family, size of bundle, way out of a transform, and scene
+  std::uint64_t profile_samples = 1 << 14;  ///< for each point of a profile that is known in closed form
   bool whole = false;                      ///< the cases that have scenes of their own, too
   std::uint64_t brute_force_tests =
       40'000'000;  ///< primitive tests per scene in the brute-force layer, spread over all families

@@ -46,6 +46,7 @@ std::string name_part(std::string name) {
 }
 
 constexpr std::uint64_t kNightlyRays = 21'000'000;
+constexpr std::uint64_t kNightlySamples = 1 << 20;  // for each point of a profile
 
 /// "20m", "90s", "1h", "600" (seconds).
 double parse_duration(const std::string& text) {
@@ -109,7 +110,7 @@ CatalogueOptions catalogue_options(std::vector<ListedScene> scenes, std::uint64_
   CatalogueOptions options;
   const auto plain = static_cast<std::uint64_t>(
       std::count_if(scenes.begin(), scenes.end(), [](const ListedScene& s) { return !s.has_nodes; }));
-  if (rays > 0) options.hits_rays = options.transform_rays = rays;
+  if (rays > 0) options.hits_rays = options.transform_rays = options.profile_samples = rays;
   if (rays == 0 && total > 0) options.hits_rays = total / (plain * ray_families().size()) + 1;
   options.scenes = std::move(scenes);
   return options;
@@ -118,6 +119,7 @@ CatalogueOptions catalogue_options(std::vector<ListedScene> scenes, std::uint64_
 /// Of all scenes that are there.
 CatalogueOptions whole_catalogue(std::uint64_t rays, std::uint64_t total) {
   CatalogueOptions options = catalogue_options(every_scene(), rays, total);
+  if (rays == 0 && total > 0) options.profile_samples = kNightlySamples;
   options.whole = true;
   return options;
 }
@@ -216,7 +218,7 @@ int dispatch(int argc, char** argv) {
       "generator such as sphereflake:4.");
   const auto add_run_options = [&](CLI::App* sub) {
     sub->add_option("--out", a.out, "Folder for the report")->capture_default_str();
-    sub->add_option("--rays", a.rays, "Rays for each family and scene")
+    sub->add_option("--rays", a.rays, "Rays for each family and scene, samples for each point of a profile")
         ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{10'000'000'000}));
     sub->add_flag("--resume", a.resume, "Go on with the run in --out: cases that ended there are not run again");
     sub->add_option("--shard", a.shard, "I/N: run the I-th of N parts of the catalogue");

@@ -12,10 +12,12 @@
 namespace plumbline {
 
 struct PlotSeries {
-  std::string label;  ///< "inverse, median"
+  std::string label;  ///< "inverse, median"; empty: not in the legend
   std::string color;  ///< "#d55e00"
   bool dashed = false;
   std::vector<double> x, y;  ///< as long as each other; points that a logarithmic axis cannot show are left out
+  std::vector<double> low = {}, high = {};  ///< ends of a bar at each point, as long as y; empty: no bars
+  bool line = true, marks = true;           ///< whether points are joined, and shown
 };
 
 struct Plot {
