@@ -7,7 +7,6 @@
 #include <string_view>
 
 #include "scenes/error.h"
-#include "tracer/shader_source.h"
 
 namespace plumbline {
 namespace {
@@ -39,6 +38,12 @@ std::size_t area(int width, int height) { return static_cast<std::size_t>(width)
 
 }  // namespace
 
+ShaderText accumulate_shader(GlslDialect dialect) {
+  static constexpr std::array<std::string_view, 3> kFiles{"pass_constants.glsl", "exact.glsl", "accumulate.frag.glsl"};
+  const std::array<ShaderDefine, 1> defines{ShaderDefine{"PASS_CONSTANT", "flat in"}};
+  return compose_shader(kFiles, defines, {}, dialect);
+}
+
 Accumulator::Targets::Targets(GlContext& context, int width, int height) {
   for (GlTexture& texture : textures) texture = GlTexture(context, GL_RGBA32F, GL_RGBA, GL_FLOAT, width, height);
   framebuffer = GlFramebuffer(context, textures.data(), static_cast<int>(textures.size()));
@@ -46,9 +51,7 @@ Accumulator::Targets::Targets(GlContext& context, int width, int height) {
 
 Accumulator::Accumulator(GlContext& context, int width, int height)
     : context_(&context), width_(width), height_(height) {
-  static constexpr std::array<std::string_view, 3> kFiles{"pass_constants.glsl", "exact.glsl", "accumulate.frag.glsl"};
-  const std::array<ShaderDefine, 1> defines{ShaderDefine{"PASS_CONSTANT", "flat in"}};
-  program_ = GlProgram(context, link_program(context, probe_vertex_shader(), compose_shader(kFiles, defines)));
+  program_ = GlProgram(context, link_program(context, probe_vertex_shader(), accumulate_shader()));
 }
 
 void Accumulator::clear() { tiles_.clear(); }

@@ -10,6 +10,7 @@
 
 #include "tracer/gl_objects.h"
 #include "tracer/render_passes.h"
+#include "tracer/shader_source.h"
 
 namespace plumbline {
 
@@ -19,6 +20,9 @@ struct AccumulatedMoments {
   std::vector<glm::dvec3> mean;      ///< NaN where there is no sample
   std::vector<glm::dvec3> variance;  ///< of one sample, unbiased; empty below two frames
 };
+
+/// The fragment shader that adds samples to sums.
+ShaderText accumulate_shader(GlslDialect dialect = GlslDialect::glsl_330);
 
 /// The mean is within 2^-24 of the mean of |samples|, or 2^-110, whatever the number of frames: a NaN, or infinities of
 /// both signs, make it NaN, and infinity stays. The variance is within 2^-22 of itself where samples differ by 2^-50 to

@@ -235,3 +235,8 @@ TEST_CASE("tiles of different numbers of frames make one picture", "[accumulator
   accumulator.clear();
   CHECK(accumulator.read().frames == 0);
 }
+
+TEST_CASE("the shader that sums up compiles in GLSL ES 3.00", "[accumulator]") {
+  const GlProgram program(context(), link_program(context(), probe_vertex_shader(GlslDialect::es_300),
+                                                  accumulate_shader(GlslDialect::es_300)));
+}
