@@ -117,9 +117,11 @@ std::string plot_svg(const Plot& plot) {
       if (!shown) continue;
       const std::string at_x = number(px(s.x[i])), at_y = number(py(s.y[i]));
       points += (points.empty() ? "" : " ") + at_x + "," + at_y;
-      marks += "<circle cx=\"" + at_x + "\" cy=\"" + at_y + "\" r=\"3\" fill=\"" + xml_escape(s.color) + "\"/>\n";
+      if (s.marks)
+        marks += "<circle cx=\"" + at_x + "\" cy=\"" + at_y + "\" r=\"3\" fill=\"" + xml_escape(s.color) + "\"/>\n";
     }
     svg += "<polyline fill=\"none\"" + stroke + " points=\"" + points + "\"/>\n" + marks;
+    if (s.label.empty()) continue;
     svg += "<line x1=\"" + number(kLeft + 12.0) + "\" y1=\"" + number(legend - 4.0) + "\" x2=\"" +
            number(kLeft + 40.0) + "\" y2=\"" + number(legend - 4.0) + "\"" + stroke + "/>\n";
     svg += text_at(kLeft + 46.0, legend, "start", s.label);

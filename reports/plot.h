@@ -12,10 +12,11 @@
 namespace plumbline {
 
 struct PlotSeries {
-  std::string label;  ///< "inverse, median"
+  std::string label;  ///< "inverse, median"; empty: not in the legend
   std::string color;  ///< "#d55e00"
   bool dashed = false;
   std::vector<double> x, y;  ///< as long as each other; points that a logarithmic axis cannot show are left out
+  bool marks = true;         ///< a dot at each point
 };
 
 struct Plot {
