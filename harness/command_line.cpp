@@ -20,9 +20,6 @@
 #include "harness/run.h"
 #include "harness/version.h"
 #include "reports/files.h"
-#include "reports/html.h"
-#include "reports/journal.h"
-#include "reports/json.h"
 #include "scenes/error.h"
 #include "scenes/generate.h"
 
@@ -186,18 +183,6 @@ int faults() {
   return all ? 0 : 1;
 }
 
-int report(const Arguments& a) {
-  RunRecord record;
-  const std::filesystem::path folder = a.out;
-  if (std::filesystem::exists(folder / "results.json"))
-    record = read_results(folder / "results.json");
-  else
-    record = read_journal(folder);
-  write_report(record, folder);
-  std::printf("Report: %s\n", (folder / "index.html").string().c_str());
-  return 0;
-}
-
 int dispatch(int argc, char** argv) {
   Arguments a;
   CLI::App app{
@@ -248,6 +233,7 @@ int dispatch(int argc, char** argv) {
   add_verify_command(app, commands);
   add_inspect_command(app, commands);
   add_render_command(app, commands);
+  add_history_commands(app, commands);
 
   CLI::App* bench_sub = app.add_subcommand("bench", "Measure speed against Embree, bakes and variants");
   bench_sub->add_option("--json", a.json, "Write the metrics to this file too");
@@ -257,10 +243,9 @@ int dispatch(int argc, char** argv) {
   bench_sub->add_flag("--quick", a.quick, "Leave out the variants and the scene of a million triangles");
   bench_sub->add_flag("--paper", a.paper, "The paper's Figures 4 and 6 instead: rays that walk together, as ratios");
 
-  CLI::App* faults_sub =
-      app.add_subcommand("faults", "Break the tracer on purpose, one fault at a time, and name what catches it");
-  CLI::App* report_sub = app.add_subcommand("report", "Write the report of a run again from its record");
-  report_sub->add_option("DIR", a.out, "The run's folder")->required();
+  commands.emplace_back(
+      app.add_subcommand("faults", "Break the tracer on purpose, one fault at a time, and name what catches it"),
+      faults);
 
   try {
     app.parse(argc, argv);
@@ -291,9 +276,7 @@ int dispatch(int argc, char** argv) {
   if (*check_sub) return check(a, options);
   for (const auto& [sub, act] : commands)
     if (*sub) return act();
-  if (*bench_sub) return bench(a);
-  if (*faults_sub) return faults();
-  return report(a);
+  return bench(a);
 }
 
 }  // namespace

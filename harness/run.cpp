@@ -11,8 +11,11 @@
 #include <thread>
 
 #include "harness/clock.h"
+#include "harness/nights.h"
 #include "harness/progress.h"
 #include "harness/version.h"
+#include "reports/changes_text.h"
+#include "reports/format.h"
 #include "reports/history.h"
 #include "reports/html.h"
 #include "reports/journal.h"
@@ -76,6 +79,29 @@ std::vector<DriverFinding> findings_of(const RunRecord& run) {
   return findings;
 }
 
+/// The statistics of all nights together, as a case of its own: a bias that only they show fails the run.
+CaseRecord pooled_case(const std::vector<PooledFigure>& figures) {
+  CaseRecord record;
+  record.name = "history.pooled";
+  record.feature = "history";
+  record.proves = "No statistic leans to the same side night after night.";
+  TableRecord& table = record.tables.emplace_back();
+  table.title = "Statistics pooled over nights";
+  table.columns = {"case", "statistic", "nights", "z", "p", "found below"};
+  std::size_t found = 0;
+  for (const PooledFigure& f : figures) {
+    table.rows.push_back(
+        {f.case_name, f.figure, std::to_string(f.nights), value_text(f.z), value_text(f.p), value_text(f.threshold)});
+    if (!f.found()) continue;
+    ++found;
+    record.message += (found > 1 ? "; " : "") + f.case_name + ", " + f.figure + ": z = " + value_text(f.z) + " over " +
+                      counted(f.nights, "night");
+  }
+  if (found > 0) record.status = CaseStatus::failed;
+  if (found == 0) record.message = counted(figures.size(), "statistic") + " over up to 30 nights";
+  return record;
+}
+
 }  // namespace
 
 RunRecord begin_record(const RunOptions& options) {
@@ -92,6 +118,8 @@ RunRecord begin_record(const RunOptions& options) {
 
 RunRecord run_cases(const std::vector<Case>& all, const RunOptions& options) {
   const auto start = Clock::now();
+  if (!options.history.empty())
+    History{options.history};  // one that cannot be used is told before the night, not after
   std::vector<Case> cases;
   for (std::size_t i = 0; i < all.size(); ++i)
     if (static_cast<int>(i % static_cast<std::size_t>(options.shards)) == options.shard - 1) cases.push_back(all[i]);
@@ -159,8 +187,9 @@ RunRecord run_cases(const std::vector<Case>& all, const RunOptions& options) {
   if (!options.history.empty()) {
     try {
       History history(options.history);
-      report.changes = history.changes_since_last(run);
+      report.changes = changes_since(run, history);
       report.past = history.last_runs(30);
+      if (!report.changes->pooled.empty()) run.cases.push_back(pooled_case(report.changes->pooled));
       history.append_run(run);
     } catch (const std::exception& error) {  // the run's own report matters more
       std::fprintf(stderr, "plumbline: the history is left out: %s\n", error.what());
@@ -168,6 +197,8 @@ RunRecord run_cases(const std::vector<Case>& all, const RunOptions& options) {
   }
   write_report(run, options.out, report);
   if (!options.quiet) {
+    if (report.changes && !report.changes->first_run)
+      std::printf("Since the run of %s\n%s\n", report.changes->since.c_str(), changes_text(*report.changes).c_str());
     std::fputs(text_summary(run, {isatty(STDOUT_FILENO) != 0, 20}).c_str(), stdout);
     std::printf("Report: %s\n", (options.out / "index.html").string().c_str());
   }
