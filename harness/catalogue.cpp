@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "harness/densities.h"
 #include "harness/drt_cases.h"
 #include "scenes/error.h"
 #include "scenes/random.h"
@@ -59,6 +60,7 @@ std::vector<Case> make_catalogue(const CatalogueOptions& options) {
     cases.push_back(broken_trees_case());
     cases.push_back(drift_case());
     cases.push_back(bunnies_case(options.moved_rays));
+    add(density_cases(reference_perturbations()));
     add(model_bias_cases());
   }
   return cases;
