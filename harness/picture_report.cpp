@@ -29,7 +29,7 @@ Plot histogram_of(const std::vector<double>& p_values) {
       steps.y.push_back(counts[static_cast<std::size_t>(i)] / expected);
     }
   const PlotSeries low{
-      "99 % of classes, if pixels are independent", kExpected, true, {0, 1}, {1 - band, 1 - band}, false};
+      "99 % of classes, if pixels are independent", kExpected, true, {0, 1}, {1 - band, 1 - band}, {}, {}, true, false};
   const PlotSeries high{"", kExpected, true, {0, 1}, {1 + band, 1 + band}, {}, {}, true, false};
   return {"p-value of a pixel (Student)", "pixels, as a share of those expected", false, false, {steps, low, high}};
 }
