@@ -91,7 +91,7 @@ void add_result(const std::string& name, const ClosedFormInfo& info, const Profi
   std::vector<std::string> row{name,
                                value_text(r.p),
                                std::to_string(r.points.size()),
-                               grouped(static_cast<std::uint64_t>(least)),
+                               r.points.empty() ? "" : grouped(static_cast<std::uint64_t>(least)),
                                r.degrees > 0.0 ? fixed(r.chi_square, 1) : "",
                                r.degrees > 0.0 ? signed_number(r.common_z) : "",
                                grouped(r.sure_pixels),
