@@ -159,7 +159,11 @@ int bench(const Arguments& a) {
   std::vector<Metric> metrics;
   std::string table;
   if (a.paper) {
-    const std::vector<PaperFigure> figures = run_paper_bench(options.rounds, options.progress);
+    std::vector<PaperFigure> figures = run_paper_bench(
+        options.rounds, [&](double share, const std::string& what) { options.progress(0.5 * share, what); });
+    const std::vector<PaperFigure> pictures = run_render_bench(
+        options.rounds, [&](double share, const std::string& what) { options.progress(0.5 + 0.5 * share, what); });
+    figures.insert(figures.end(), pictures.begin(), pictures.end());
     for (const PaperFigure& figure : figures) metrics.push_back(figure.metric);
     table = paper_table(figures);
   } else {

@@ -17,6 +17,7 @@ struct LocalSurface {
   glm::dvec3 normal{0.0};   ///< geometric
   glm::dvec3 shading{0.0};  ///< m: interpolated, then bumped; on the side of `normal`
   glm::dvec3 reach{0.0};    ///< bound on the numbers that took part, by axis
+  double size = 0.0;        ///< of a triangle: the longest side of the box around it
   bool has_uv = false;
   glm::dvec2 uv{0.0};
   glm::dvec3 along_u{0.0}, along_v{0.0};  ///< Pu and Pv; zero where coordinates do not span the surface
@@ -24,6 +25,8 @@ struct LocalSurface {
 };
 
 glm::dmat3 absolute(const glm::dmat3& m) { return {glm::abs(m[0]), glm::abs(m[1]), glm::abs(m[2])}; }
+
+double largest(const glm::dvec3& v) { return std::max({v.x, v.y, v.z}); }
 
 /// `vector` made of unit length; zero where it has none.
 glm::dvec3 unit(const glm::dvec3& vector) {
@@ -54,6 +57,7 @@ LocalSurface triangle_surface(const Scene& scene, std::uint32_t primitive, const
   s.material = triangle.material;
   s.position = weights.x * v0 + weights.y * v1 + weights.z * v2;
   s.reach = glm::max(glm::max(glm::abs(v0), glm::abs(v1)), glm::abs(v2));
+  s.size = largest(glm::max(glm::max(v0, v1), v2) - glm::min(glm::min(v0, v1), v2));
   s.normal = unit(glm::cross(e1, e2));
   s.shading = interpolated_normal(scene, triangle, weights, s.normal);
   if (triangle.texcoord[0] == kNone) return s;
@@ -164,8 +168,9 @@ Surface surface_at(const Scene& scene, const std::vector<InstanceView>& views, c
     surface.outside = unit(view->normals * local.normal);
     surface.shading = unit(view->normals * local.shading);
     local.reach = view->reach * local.reach + view->shift;
+    local.size *= largest(absolute(view->to_world.linear) * glm::dvec3(1.0));
   }
-  surface.offset = 0x1p-17 * glm::dot(glm::abs(surface.outside), local.reach);
+  surface.offset = 0x1p-17 * (glm::dot(glm::abs(surface.outside), local.reach) + local.size);
   const bool from_outside = glm::dot(direction, surface.outside) <= 0.0;
   surface.facing = from_outside ? surface.outside : -surface.outside;
   if (!from_outside) surface.shading = -surface.shading;

@@ -88,8 +88,8 @@ TEST_CASE("A mirrored instance keeps its outside, and scales slopes with its geo
   CHECK(near(s.outside, {0, 0, 1}));
   // z = 0.5 x becomes z = 1 - 1.5 x.
   CHECK(near(s.shading, glm::normalize(glm::dvec3(1.5, 0, 1))));
-  // |L| |L^-1| is the identity here: E.z = 3 * 0 + 1.
-  CHECK(s.offset == Approx(0x1p-17).epsilon(1e-12));
+  // |L| |L^-1| is the identity here: E.z = 3 * 0 + 1. The square's side is 1, and z is stretched by 3: D = 3.
+  CHECK(s.offset == Approx(0x1p-17 * (1.0 + 3.0)).epsilon(1e-12));
 }
 
 TEST_CASE("Vertex normals are interpolated, and turned to the side of the geometric one") {
@@ -127,7 +127,8 @@ TEST_CASE("Rays start off an instance by what its map makes of its numbers") {
   CHECK(near(s.position, {1.25, 5.25, 7.25}));
   CHECK(near(s.facing, glm::normalize(glm::dvec3(1, -1, 0))));
   // |L| e + |T| = (2, 6, 9), and |L| |L^-1| has the rows (1, 2, 0), (0, 1, 0), (0, 0, 1): E = (14, 6, 9).
-  CHECK(s.offset == Approx(0x1p-17 * std::sqrt(0.5) * 20.0).epsilon(1e-12));
+  // D = 2 in the part, and the largest row of |L| sums to 2.
+  CHECK(s.offset == Approx(0x1p-17 * (std::sqrt(0.5) * 20.0 + 4.0)).epsilon(1e-12));
 }
 
 TEST_CASE("The ground is a disc with texture coordinates around its centre") {

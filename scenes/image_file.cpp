@@ -6,6 +6,8 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <memory>
 
@@ -22,6 +24,13 @@ std::string one_line(std::string text) {
   std::replace(text.begin(), text.end(), '\n', ' ');
   while (text.ends_with(' ')) text.pop_back();
   return text.empty() ? "no reason was given" : text;
+}
+
+std::string text_of(const std::string& text) { return text; }
+std::string text_of(int number) { return std::to_string(number); }
+std::string text_of(float number) {
+  std::array<char, 32> text{};
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), number).ptr};
 }
 
 /// Writes through a file beside the target that then takes its name, so that nobody sees half a file.
@@ -123,12 +132,15 @@ void write_exr(const std::filesystem::path& path, const Image& image) {
   write_whole(path, spec, OIIO::TypeDesc::FLOAT, image.pixels.data());
 }
 
-void write_png(const std::filesystem::path& path, int width, int height, std::span<const std::uint8_t> rgb) {
+void write_png(const std::filesystem::path& path, int width, int height, std::span<const std::uint8_t> rgb,
+               const std::map<std::string, ImageAttribute>& attributes) {
   PLUMBLINE_ASSERT(width > 0 && height > 0 &&
                    rgb.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3);
   if (path.extension() != ".png") throw InputError(path.string() + ": a PNG file must end in .png");
   OIIO::ImageSpec spec(width, height, 3, OIIO::TypeDesc::UINT8);
   spec["oiio:ColorSpace"] = "sRGB";
+  for (const auto& [name, value] : attributes)
+    std::visit([&, key = name](const auto& v) { spec.attribute(key, text_of(v)); }, value);
   write_whole(path, spec, OIIO::TypeDesc::UINT8, rgb.data());
 }
 

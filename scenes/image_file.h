@@ -40,8 +40,9 @@ Image read_image(std::string_view content, const std::string& name);
 /// The file appears whole or not at all. Throws EnvironmentError where it cannot be written.
 void write_exr(const std::filesystem::path& path, const Image& image);
 
-/// Writes an 8-bit RGB PNG from sRGB bytes, width * height * 3. Throws as write_exr does.
-void write_png(const std::filesystem::path& path, int width, int height, std::span<const std::uint8_t> rgb);
+/// Writes an 8-bit RGB PNG from sRGB bytes, width * height * 3; attributes become its texts. Throws as write_exr does.
+void write_png(const std::filesystem::path& path, int width, int height, std::span<const std::uint8_t> rgb,
+               const std::map<std::string, ImageAttribute>& attributes = {});
 
 /// sRGB's transfer functions (IEC 61966-2-1): linear to stored and back, both in [0, 1].
 float to_srgb(float linear);

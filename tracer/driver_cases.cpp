@@ -13,8 +13,8 @@
 
 #include "scenes/error.h"
 #include "scenes/random.h"
-#include "tracer/gl_objects.h"
-#include "tracer/shader_source.h"
+#include "tracer/random_numbers.h"
+#include "tracer/small_pass.h"
 
 namespace plumbline {
 namespace {
@@ -22,13 +22,8 @@ namespace {
 constexpr int kSide = 64;  // pixels of every answer, width and height
 constexpr std::uint64_t kSeed = name_hash("driver cases");
 
-using Words = std::array<std::uint32_t, 4>;
-
-struct Picture {
-  int width = kSide, height = kSide;
-  std::vector<glm::vec4> texels;
-  const glm::vec4& at(std::size_t i) const { return texels[i]; }
-};
+using Words = AnswerWords;
+using Picture = InputTexels;
 
 struct Question {
   DriverCase asked;
@@ -44,7 +39,7 @@ float number(std::uint32_t bits) { return std::bit_cast<float>(bits); }
 
 /// A picture whose texel i is made(random numbers of i).
 Picture picture(const std::function<glm::vec4(Random&)>& made) {
-  Picture p;
+  Picture p{kSide, kSide, {}};
   for (std::uint64_t i = 0; i < std::uint64_t{kSide} * kSide; ++i) {
     Random random(kSeed, 0, i);
     p.texels.push_back(made(random));
@@ -140,12 +135,12 @@ std::vector<Question> questions() {
        "driver_texel_bits.frag.glsl",
        false,
        [] { return picture(any_bits); },
-       exactly([](const Picture& input, std::size_t i) { return bits_of(input.at(i)); })});
+       exactly([](const Picture& input, std::size_t i) { return bits_of(input.texels[i]); })});
   all.push_back({{"float_target_bits", "A float written to a float target is read back bit by bit.", true},
                  "driver_float_target.frag.glsl",
                  true,
                  [] { return picture(any_bits); },
-                 exactly([](const Picture& input, std::size_t i) { return bits_of(input.at(i)); })});
+                 exactly([](const Picture& input, std::size_t i) { return bits_of(input.texels[i]); })});
   all.push_back(
       {{"wide_texture",
         "Each texel of a texture 16384 wide is found by its number, and by coordinates through its middle.", false},
@@ -166,7 +161,7 @@ std::vector<Question> questions() {
        false,
        [] { return picture(any_bits); },
        exactly([](const Picture& input, std::size_t i) {
-         const std::uint32_t bits = word(input.at(i).x);
+         const std::uint32_t bits = word(input.texels[i].x);
          return Words{bits, word(static_cast<float>(bits & 0x7fffffu)),
                       static_cast<std::uint32_t>(static_cast<std::int32_t>(bits) >> 23), bits | 0x80000000u};
        })});
@@ -177,7 +172,7 @@ std::vector<Question> questions() {
        false,
        [] { return picture(moderate); },
        exactly([](const Picture& input, std::size_t i) {
-         const glm::vec4 v = input.at(i);
+         const glm::vec4 v = input.texels[i];
          const float xy = v.x * v.y, zw = v.z * v.w, xw = v.x * v.w;
          return Words{word(xy - zw), word(zw - xy), word((xy + zw) + xw), word(xy)};
        })});
@@ -199,7 +194,7 @@ std::vector<Question> questions() {
          });
        },
        exactly([](const Picture& input, std::size_t i) {
-         const glm::vec4 v = input.at(i);
+         const glm::vec4 v = input.texels[i];
          return bits_of(glm::vec4(v.x * v.y, v.x + v.x, v.z * 0.25f, 1.0f));
        })});
   all.push_back({{"plain_sum", "(a + b) - a is computed as written, not replaced by b.", true},
@@ -207,7 +202,7 @@ std::vector<Question> questions() {
                  false,
                  [] { return picture(moderate); },
                  exactly([](const Picture& input, std::size_t i) {
-                   const glm::vec4 v = input.at(i);
+                   const glm::vec4 v = input.texels[i];
                    const float sum = v.x + v.y;
                    return Words{word(sum - v.x), 0, 0, 0};
                  })});
@@ -225,7 +220,7 @@ std::vector<Question> questions() {
          });
        },
        [](const Picture& input, std::size_t i, const Words& got, Words& wanted) {
-         const glm::vec4 v = input.at(i);
+         const glm::vec4 v = input.texels[i];
          const float sum = v.x + v.y, product = v.x * v.y;
          const float sum_error = static_cast<float>(static_cast<double>(v.x) + v.y - sum);
          const float product_error = static_cast<float>(static_cast<double>(v.x) * v.y - product);
@@ -242,13 +237,45 @@ std::vector<Question> questions() {
        false,
        [] { return picture(moderate); },
        [](const Picture& input, std::size_t i, const Words& got, Words& wanted) {
-         const glm::dvec4 v(input.at(i));
+         const glm::dvec4 v(input.texels[i]);
          const glm::dvec3 exact(1.0 / v.x, v.y / v.x, std::sqrt(std::abs(v.x)));
          wanted = {word(static_cast<float>(exact.x)), word(static_cast<float>(exact.y)),
                    word(static_cast<float>(exact.z)), 0};
          return near(number(got[0]), exact.x, 0.5) && near(number(got[1]), exact.y, 1.0) &&
                 near(number(got[2]), exact.z, 0.5);
        }});
+  all.push_back(
+      {{"elementary", "Cosines, sines, cube roots and powers, made of sums and products, keep their bounds.", false},
+       "driver_elementary.frag.glsl",
+       false,
+       [] {
+         return picture([](Random& random) {
+           const auto fraction = [&] { return static_cast<float>(random.below(1u << 24)) * 0x1p-24f; };
+           return glm::vec4(fraction(), fraction(), fraction(), static_cast<float>(random.uniform(0.0, 100.0)));
+         });
+       },
+       [](const Picture& input, std::size_t i, const Words& got, Words& wanted) {
+         const glm::dvec4 v(input.texels[i]);
+         const double angle = 2.0 * std::acos(-1.0) * v.x;
+         const glm::dvec4 exact(std::cos(angle), std::sin(angle), std::cbrt(v.y), std::pow(v.z, v.w));
+         wanted = bits_of(glm::vec4(exact));
+         // The bounds of elementary.glsl: absolute for the first two and for powers.
+         return std::abs(number(got[0]) - exact.x) <= 0x1p-23 && std::abs(number(got[1]) - exact.y) <= 0x1p-23 &&
+                near(number(got[2]), exact.z, 1.0) && std::abs(number(got[3]) - exact.w) <= 2.5 * 0x1p-24;
+       }});
+  all.push_back({{"hash", "Random numbers hashed in a shader are those that the same hash gives in C++.", false},
+                 "driver_random.frag.glsl",
+                 false,
+                 [] {
+                   return picture([](Random& random) {
+                     return glm::vec4(random.below(1u << 24), random.below(1u << 24), 1 + random.below(63),
+                                      random.below(100));
+                   });
+                 },
+                 exactly([](const Picture& input, std::size_t i) {
+                   const glm::uvec4 of(input.texels[i]);
+                   return bits_of(hashed_block(kSeed, of.x, of.y, of.z, of.w));
+                 })});
   return all;
 }
 
@@ -259,30 +286,13 @@ std::string hexadecimal(const Words& words) {
 }
 
 DriverResult ask(GlContext& context, const Question& question) {
-  const GlFunctions& gl = context.use();
-  const Picture input = question.input();
-  const GlTexture texture(context, GL_RGBA32F, GL_RGBA, GL_FLOAT, input.width, input.height, input.texels.data());
-  const GlTexture target = question.float_target
-                               ? GlTexture(context, GL_RGBA32F, GL_RGBA, GL_FLOAT, kSide, kSide)
-                               : GlTexture(context, GL_RGBA32UI, GL_RGBA_INTEGER, GL_UNSIGNED_INT, kSide, kSide);
-  const GlFramebuffer framebuffer(context, &target, 1);
-  const std::array<std::string_view, 3> files{"pass_constants.glsl", "exact.glsl", question.shader};
-  const std::array<ShaderDefine, 1> defines{ShaderDefine{"PASS_CONSTANT", "flat in"}};
-  const GlProgram program(context, link_program(context, probe_vertex_shader(), compose_shader(files, defines)));
-  texture.bind(0);
-  program.use();
-  program.set("u_input", 0);
-  program.set("u_factor", glm::vec4(1.0f));
-  gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
-  program.draw(kSide, kSide);
-  std::vector<Words> answers(std::size_t{kSide} * kSide);
-  gl.ReadBuffer(GL_COLOR_ATTACHMENT0);
-  if (question.float_target) {
-    gl.ReadPixels(0, 0, kSide, kSide, GL_RGBA, GL_FLOAT, answers.data());
-  } else {
-    gl.ReadPixels(0, 0, kSide, kSide, GL_RGBA_INTEGER, GL_UNSIGNED_INT, answers.data());
-  }
-  context.check("asking a driver case");
+  const InputTexels input = question.input();
+  const std::array<std::string_view, 5> files{"pass_constants.glsl", "exact.glsl", "elementary.glsl", "random.glsl",
+                                              question.shader};
+  const std::array<ShaderDefine, 2> defines{ShaderDefine{"PASS_CONSTANT", "flat in"}, ShaderDefine{"RANDOM_HASH", ""}};
+  const auto set = [](const GlProgram& program) { program.set("u_random", random_uniform(kSeed, 0, 0)); };
+  const std::vector<AnswerWords> answers =
+      run_small_pass(context, {compose_shader(files, defines), kSide, kSide, question.float_target, set}, input);
 
   DriverResult result;
   result.pixels = answers.size();

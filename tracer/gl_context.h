@@ -12,6 +12,7 @@
 #define PLUMBLINE_GL_FUNCTIONS(X)                            \
   X(ActiveTexture, PFNGLACTIVETEXTUREPROC)                   \
   X(AttachShader, PFNGLATTACHSHADERPROC)                     \
+  X(BeginQuery, PFNGLBEGINQUERYPROC)                         \
   X(BindBuffer, PFNGLBINDBUFFERPROC)                         \
   X(BindBufferBase, PFNGLBINDBUFFERBASEPROC)                 \
   X(BindFramebuffer, PFNGLBINDFRAMEBUFFERPROC)               \
@@ -20,22 +21,26 @@
   X(BufferSubData, PFNGLBUFFERSUBDATAPROC)                   \
   X(BufferData, PFNGLBUFFERDATAPROC)                         \
   X(CheckFramebufferStatus, PFNGLCHECKFRAMEBUFFERSTATUSPROC) \
+  X(ClearBufferfv, PFNGLCLEARBUFFERFVPROC)                   \
   X(CompileShader, PFNGLCOMPILESHADERPROC)                   \
   X(CreateProgram, PFNGLCREATEPROGRAMPROC)                   \
   X(CreateShader, PFNGLCREATESHADERPROC)                     \
   X(DeleteBuffers, PFNGLDELETEBUFFERSPROC)                   \
   X(DeleteFramebuffers, PFNGLDELETEFRAMEBUFFERSPROC)         \
   X(DeleteProgram, PFNGLDELETEPROGRAMPROC)                   \
+  X(DeleteQueries, PFNGLDELETEQUERIESPROC)                   \
   X(DeleteShader, PFNGLDELETESHADERPROC)                     \
   X(DeleteTextures, PFNGLDELETETEXTURESPROC)                 \
   X(DeleteVertexArrays, PFNGLDELETEVERTEXARRAYSPROC)         \
   X(Disable, PFNGLDISABLEPROC)                               \
   X(DrawArrays, PFNGLDRAWARRAYSPROC)                         \
   X(DrawBuffers, PFNGLDRAWBUFFERSPROC)                       \
+  X(EndQuery, PFNGLENDQUERYPROC)                             \
   X(Finish, PFNGLFINISHPROC)                                 \
   X(FramebufferTexture2D, PFNGLFRAMEBUFFERTEXTURE2DPROC)     \
   X(GenBuffers, PFNGLGENBUFFERSPROC)                         \
   X(GenFramebuffers, PFNGLGENFRAMEBUFFERSPROC)               \
+  X(GenQueries, PFNGLGENQUERIESPROC)                         \
   X(GenTextures, PFNGLGENTEXTURESPROC)                       \
   X(GenVertexArrays, PFNGLGENVERTEXARRAYSPROC)               \
   X(GetBufferSubData, PFNGLGETBUFFERSUBDATAPROC)             \
@@ -43,6 +48,7 @@
   X(GetIntegerv, PFNGLGETINTEGERVPROC)                       \
   X(GetProgramInfoLog, PFNGLGETPROGRAMINFOLOGPROC)           \
   X(GetProgramiv, PFNGLGETPROGRAMIVPROC)                     \
+  X(GetQueryObjectuiv, PFNGLGETQUERYOBJECTUIVPROC)           \
   X(GetShaderInfoLog, PFNGLGETSHADERINFOLOGPROC)             \
   X(GetShaderiv, PFNGLGETSHADERIVPROC)                       \
   X(GetString, PFNGLGETSTRINGPROC)                           \

@@ -50,6 +50,13 @@ void GlTexture::update_row(int x, int y, std::span<const glm::vec4> texels) cons
   gl.TexSubImage2D(GL_TEXTURE_2D, 0, x, y, static_cast<GLsizei>(texels.size()), 1, GL_RGBA, GL_FLOAT, texels.data());
 }
 
+void GlTexture::update_rows(int y, int width, std::span<const glm::vec4> texels) const {
+  const GlFunctions& gl = context_->use();
+  gl.BindTexture(GL_TEXTURE_2D, name_);
+  gl.TexSubImage2D(GL_TEXTURE_2D, 0, 0, y, width, static_cast<GLsizei>(texels.size()) / width, GL_RGBA, GL_FLOAT,
+                   texels.data());
+}
+
 GlTexture::~GlTexture() {
   if (name_ != 0) context_->use().DeleteTextures(1, &name_);
   if (buffer_ != 0) context_->use().DeleteBuffers(1, &buffer_);

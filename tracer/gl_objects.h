@@ -23,6 +23,8 @@ class GlTexture {
   void update(std::span<const glm::vec4> texels, std::size_t first = 0) const;
   /// Replaces a rectangle of one row of an RGBA32F texture.
   void update_row(int x, int y, std::span<const glm::vec4> texels) const;
+  /// Replaces whole rows of an RGBA32F texture of this width.
+  void update_rows(int y, int width, std::span<const glm::vec4> texels) const;
   /// Allocates width * height texels, from `texels` if it is not null.
   GlTexture(GlContext& context, GLenum internal_format, GLenum format, GLenum type, int width, int height,
             const void* texels = nullptr);

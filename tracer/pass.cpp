@@ -61,6 +61,27 @@ GlTexture upload_image(GlContext& context, const GeometryImage& image) {
   return GlTexture(context, GL_RGBA32F, GL_RGBA, GL_FLOAT, image.width, image.height, image.texels.data());
 }
 
+std::uint64_t update_texels(const GlTexture& geometry, const GeometryImage& image,
+                            std::span<const TexelRange> changed) {
+  std::uint64_t uploaded = 0;
+  const auto width = static_cast<std::uint32_t>(image.width);
+  for (const TexelRange& range : changed) {
+    uploaded += range.count;
+    std::span<const glm::vec4> texels = std::span(image.texels).subspan(range.first, range.count);
+    if (image.options.layout == Layout::compact) {
+      geometry.update(texels, range.first);
+      continue;
+    }
+    for (std::uint32_t at = range.first; !texels.empty();) {
+      const std::size_t count = std::min<std::size_t>(texels.size(), width - at % width);
+      geometry.update_row(static_cast<int>(at % width), static_cast<int>(at / width), texels.first(count));
+      texels = texels.subspan(count);
+      at += static_cast<std::uint32_t>(count);
+    }
+  }
+  return uploaded;
+}
+
 Hit unpack_hit(const PassWords& a, const PassWords& b, const PassWords& c, const PassWords* d) {
   const auto value = [](std::uint32_t word) { return std::bit_cast<float>(word); };
   Hit hit;

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <span>
 
 #include "scenes/ray.h"
 #include "tracer/geometry_image.h"
@@ -34,6 +35,8 @@ void set_pass(const GlProgram& program, const PassConstants& constants, const gl
 void require_fitting_image(GlContext& context, const GeometryImage& image);
 /// An image that fits, as a texture.
 GlTexture upload_image(GlContext& context, const GeometryImage& image);
+/// Uploads the texels of an image that have changed, and no others; returns how many.
+std::uint64_t update_texels(const GlTexture& geometry, const GeometryImage& image, std::span<const TexelRange> changed);
 
 /// What the targets hold of one pixel whose walk has ended. `d` is null where there are no transforms.
 Hit unpack_hit(const PassWords& a, const PassWords& b, const PassWords& c, const PassWords* d);

@@ -48,7 +48,6 @@ struct Probe::Impl {
   std::array<ProgramVariant, 3> variants;  // by pass; the last one ends what bundles have found
   std::uint32_t primitive_count = 0;
   PassConstants constants;
-  bool is_linear = false;
   std::uint64_t uploaded = 0;
   Ball world_ball;
   double seconds = 0.0, resumed_seconds = 0.0;
@@ -104,7 +103,6 @@ struct Probe::Impl {
     uploaded = image.texels.size();
     visits = {};
     if (is_counting) visits = GlCounters(*context, std::size_t{2} * std::max(image.primitive_start, 1u));
-    is_linear = image.options.layout == Layout::compact;
     set_constants(image);
   }
 
@@ -119,22 +117,7 @@ struct Probe::Impl {
   /// Uploads what update_transforms has changed, and no other texels.
   void update(const GeometryImage& image, std::span<const TexelRange> changed) {
     set_constants(image);
-    uploaded = 0;
-    const auto width = static_cast<std::uint32_t>(image.width);
-    for (const TexelRange& range : changed) {
-      uploaded += range.count;
-      std::span<const glm::vec4> texels = std::span(image.texels).subspan(range.first, range.count);
-      if (is_linear) {
-        geometry.update(texels, range.first);
-        continue;
-      }
-      for (std::uint32_t at = range.first; !texels.empty();) {
-        const std::size_t count = std::min<std::size_t>(texels.size(), width - at % width);
-        geometry.update_row(static_cast<int>(at % width), static_cast<int>(at / width), texels.first(count));
-        texels = texels.subspan(count);
-        at += static_cast<std::uint32_t>(count);
-      }
-    }
+    uploaded = update_texels(geometry, image, changed);
     context->check("updating the geometry image");
   }
 

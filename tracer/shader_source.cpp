@@ -182,6 +182,9 @@ ProgramVariant program_variant(const GeometryImage& image, bool brute_force, boo
           false,
           false,
           false,
+          1,
+          false,
+          false,
           1};
 }
 
@@ -210,6 +213,7 @@ ShaderText probe_fragment_shader(const ProgramVariant& variant, std::span<const 
       {"STATE_ENDED", std::to_string(kStateEnded) + "u"},
       {"STATE_NEW", std::to_string(kStateNew) + "u"},
       {"BUNDLE_SIZE", std::to_string(variant.bundle)},
+      {"FOUND_BUNDLE", std::to_string(variant.found_bundle)},
   };
   if (variant.has_triangles) defines.emplace_back("HAS_TRIANGLES", "");
   if (variant.has_spheres) defines.emplace_back("HAS_SPHERES", "");
@@ -220,6 +224,8 @@ ShaderText probe_fragment_shader(const ProgramVariant& variant, std::span<const 
   if (variant.capture) add_capture_defines(defines);
   if (variant.count_visits) defines.emplace_back("COUNT_VISITS", "");
   if (variant.finish) defines.emplace_back("FINISH", "");
+  if (variant.rendering) defines.emplace_back("RENDERING", "");
+  if (variant.any_hit) defines.emplace_back("ANY_HIT", "");
   defines.emplace_back("PASS_CONSTANT", "flat in");
   std::vector<std::string_view> files;
   if (variant.count_visits) files.emplace_back("count_visits.glsl");  // its #extension stands before everything else

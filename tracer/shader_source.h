@@ -56,6 +56,9 @@ struct ProgramVariant {
   bool count_visits = false;  ///< counts the visits of every node (Probe::count_visits); else nothing of that is
   bool finish = false;        ///< walks nothing: makes results of what bundles have found
   int bundle = 1;             ///< rays that walk the tree together; more than one: bundle.frag.glsl, never thorough
+  bool rendering = false;     ///< rays, and states of walks that go on, come from textures that shaders have drawn into
+  bool any_hit = false;       ///< ends at the first hit that is met; only whether there is one is told
+  int found_bundle = 1;       ///< where `finish`: of what bundles
   bool operator==(const ProgramVariant&) const = default;
 };
 ProgramVariant program_variant(const GeometryImage& image, bool brute_force, bool thorough);

@@ -57,7 +57,11 @@ uvec4 nearest_1() {
 
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
+#ifdef RENDERING
+  int number = pixel.y * BATCH_WIDTH + pixel.x * BUNDLE_SIZE;  // the rays of a bundle stand side by side
+#else
   int number = (pixel.y * BATCH_WIDTH + pixel.x) * BUNDLE_SIZE;
+#endif
   FOR_EACH_RAY(begin(number++))
   TAKE_RAY(0)
   start_walk();

@@ -115,6 +115,24 @@ bool walk_waits() { return nearest.pending >= 0; }
 bool walk_waits() { return false; }
 #endif
 
+#ifdef ANY_HIT
+// Shadow rays ask only whether there is a hit: the first one ends the walk, of a bundle the first one of its last ray.
+#if BUNDLE_SIZE == 1
+bool all_have_hit() { return nearest.label < NO_LABEL; }
+#else
+bool is_anyone_looking;
+void look_for_hit() {
+  if (nearest.label < NO_LABEL && rest.in_space == REST_NONE) rest_for_good(false);
+  is_anyone_looking = is_anyone_looking || rest.in_space != REST_FOR_GOOD;
+}
+bool all_have_hit() {
+  is_anyone_looking = false;
+  FOR_EACH_RAY(look_for_hit())
+  return !is_anyone_looking;
+}
+#endif
+#endif
+
 #ifdef THOROUGH
 // A triangle seen edge-on costs several times an ordinary one and is rare: the walk stops at it, it is settled here,
 // outside of the walking loops, and the walk goes on behind it.

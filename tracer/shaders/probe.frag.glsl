@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: MIT
 // One ray per pixel: rays come from a texture, results go to three integer targets, whose words no driver converts.
 
-uniform usampler2D u_state;      // read where walks are resumed: what an unfinished pixel wrote, STATE_TEXELS texels a pixel
+// Read where walks are resumed: what an unfinished pixel wrote.
+#ifdef RENDERING
+uniform usampler2D u_state_0, u_state_1, u_state_2, u_state_3;
+#else
+uniform usampler2D u_state;  // STATE_TEXELS texels a pixel
+#endif
 
 layout(location = 0) out uvec4 out_0;  // kind + 8 * primitive, t, steps, primitives tested
 layout(location = 1) out uvec4 out_1;  // position, weight of the second corner
@@ -13,17 +18,86 @@ layout(location = 3) out uvec4 out_3;  // instance + 1, or 0 in the world; trans
 #define STATE_TEXELS 3
 #endif
 
+#ifdef RENDERING
+#if FOUND_BUNDLE > 1
+// What bundles have found (bundle.frag.glsl), two targets a ray, as the state of their rays.
+uniform usampler2D u_found_0, u_found_1, u_found_2, u_found_3;
+#if FOUND_BUNDLE > 2
+uniform usampler2D u_found_4, u_found_5;
+#endif
+#if FOUND_BUNDLE > 3
+uniform usampler2D u_found_6, u_found_7;
+#endif
+void fetch_state(ivec2 pixel, out uvec4 s0, out uvec4 s1, out uvec4 s2, out uvec4 s3) {
+  ivec2 at = ivec2(pixel.x / FOUND_BUNDLE, pixel.y);
+  int lane = pixel.x % FOUND_BUNDLE;
+  uvec4 a = texelFetch(u_found_0, at, 0), b = texelFetch(u_found_1, at, 0);
+  if (lane == 1) a = texelFetch(u_found_2, at, 0), b = texelFetch(u_found_3, at, 0);
+#if FOUND_BUNDLE > 2
+  if (lane == 2) a = texelFetch(u_found_4, at, 0), b = texelFetch(u_found_5, at, 0);
+#endif
+#if FOUND_BUNDLE > 3
+  if (lane == 3) a = texelFetch(u_found_6, at, 0), b = texelFetch(u_found_7, at, 0);
+#endif
+  bool is_alone = uintBitsToFloat(a.y) < 0.0;
+#ifdef HAS_TRANSFORMS
+  s0 = uvec4(is_alone ? STATE_NEW : STATE_ENDED, b.z, a.w, 0u);
+#else
+  s0 = uvec4(is_alone ? STATE_NEW : STATE_ENDED, a.x, a.w, 0u);
+#endif
+  s1 = uvec4(0u);
+  s2 = uvec4(a.y, b.xy, a.z);
+  s3 = uvec4(a.x, b.w, 0xffffffffu, 0u);  // walks end in the world
+}
+#else
+void fetch_state(ivec2 pixel, out uvec4 s0, out uvec4 s1, out uvec4 s2, out uvec4 s3) {
+  s0 = texelFetch(u_state_0, pixel, 0);
+  s1 = texelFetch(u_state_1, pixel, 0);
+  s2 = texelFetch(u_state_2, pixel, 0);
+#ifdef HAS_TRANSFORMS
+  s3 = texelFetch(u_state_3, pixel, 0);
+#else
+  s3 = uvec4(0u);
+#endif
+}
+#endif
+#else
+void fetch_state(ivec2 pixel, out uvec4 s0, out uvec4 s1, out uvec4 s2, out uvec4 s3) {
+  ivec2 at = ivec2(pixel.x * STATE_TEXELS, pixel.y);
+  s0 = texelFetch(u_state, at, 0);
+  s1 = texelFetch(u_state, at + ivec2(1, 0), 0);
+  s2 = texelFetch(u_state, at + ivec2(2, 0), 0);
+#ifdef HAS_TRANSFORMS
+  s3 = texelFetch(u_state, at + ivec2(3, 0), 0);
+#else
+  s3 = uvec4(0u);
+#endif
+}
+#endif
+
+#if defined(RENDERING) && defined(THOROUGH)
+// Every ray of the batch is drawn again here: those that had ended keep what they had.
+uvec4 kept_0, kept_1, kept_2, kept_3;
+bool is_kept = false;
+#endif
+
 // A pass goes on with what another one has left. The first word tells how: KIND_UNFINISHED, or that a bundle has found
 // all that is to be found (STATE_ENDED), or has left the ray alone, to begin anew (STATE_NEW).
 void start_or_resume(ivec2 pixel) {
   start();
   start_walk();
-  uint how = pass_range.y != 0 ? texelFetch(u_state, ivec2(pixel.x * STATE_TEXELS, pixel.y), 0).x & 7u : STATE_NEW;
+  uint how = STATE_NEW;
+  uvec4 s0, s1, s2, s3;
+  if (pass_range.y != 0) {
+    fetch_state(pixel, s0, s1, s2, s3);
+    how = s0.x & 7u;
+#if defined(RENDERING) && defined(THOROUGH)
+    kept_0 = s0, kept_1 = s1, kept_2 = s2, kept_3 = s3;
+    is_kept = how != KIND_UNFINISHED;
+    if (is_kept) how = STATE_NEW;
+#endif
+  }
   if (how != STATE_NEW) {
-    ivec2 at = ivec2(pixel.x * STATE_TEXELS, pixel.y);
-    uvec4 s0 = texelFetch(u_state, at, 0);
-    uvec4 s1 = texelFetch(u_state, at + ivec2(1, 0), 0);
-    uvec4 s2 = texelFetch(u_state, at + ivec2(2, 0), 0);
     nearest.pending = int(s0.x >> 3) - 1;
     nearest.t = uintBitsToFloat(s0.y);
     walk.steps = int(s0.z);
@@ -35,7 +109,6 @@ void start_or_resume(ivec2 pixel) {
     nearest.weights = uintBitsToFloat(s2.yz);
     nearest.address = int(s2.w);
 #ifdef HAS_TRANSFORMS
-    uvec4 s3 = texelFetch(u_state, at + ivec2(3, 0), 0);
     nearest.t_world = nearest.t;
     nearest.t_space = uintBitsToFloat(s3.x);
     nearest.space = int(s3.y);
@@ -44,7 +117,7 @@ void start_or_resume(ivec2 pixel) {
     derive_ray(walk.space);
     nearest.t = bound_of(nearest.t_world);
 #ifdef CAPTURE
-    if (pass_range.y == CAPTURE_GOES_ON) restore_walk(u_state, at + ivec2(STATE_TEXELS, 0));
+    if (pass_range.y == CAPTURE_GOES_ON) restore_walk(u_state, ivec2((pixel.x + 1) * STATE_TEXELS, pixel.y));
 #endif
 #endif
   }
@@ -53,6 +126,9 @@ void start_or_resume(ivec2 pixel) {
   if ((world_ray.misses && !world_ray.too_far) || !world_ray.defined) walk.ended = true;
 #else
   if ((ray.misses && !ray.too_far) || !ray.defined) walk.ended = true;
+#endif
+#if defined(RENDERING) && defined(THOROUGH)
+  if (is_kept) walk.ended = true;
 #endif
 }
 
@@ -71,8 +147,13 @@ bool write_result(float t_max) {
   bool hit = walk.ended && nearest.label < NO_LABEL;
   bool complete = true;
 #ifdef HAS_TRANSFORMS
+#ifdef ANY_HIT
+  int node = SPACE_WORLD;
+  ray = world_ray;
+#else
   int node = hit ? nearest.space : SPACE_WORLD;
   derive_ray(node);
+#endif
   complete = !ray.cut;
   float t = nearest.t_space;
 #else
@@ -183,6 +264,9 @@ void main() {
 #endif
   // A ray that waits for a triangle seen edge-on, comes from very far, or whose loops the driver has ended, goes on in another pass with
   // the thorough program: what is rare costs the others nothing there, since this driver runs both sides of every `if`.
+#ifdef ANY_HIT
+  if (all_have_hit()) nearest.pending = -1;
+#endif
   bool unfinished = nearest.pending >= 0 || (!walk.ended && walk.steps < pass_walk.w);
 #ifdef CAPTURE
   write_captured(unfinished);
@@ -200,4 +284,12 @@ void main() {
   }
 #endif
   if (unfinished || !complete) write_unfinished();
+#if defined(RENDERING) && defined(THOROUGH)
+  if (is_kept) {
+    out_0 = kept_0, out_1 = kept_1, out_2 = kept_2;
+#ifdef HAS_TRANSFORMS
+    out_3 = kept_3;
+#endif
+  }
+#endif
 }

@@ -2,7 +2,14 @@
 // Where rays come from, and how a ray and its walk begin.
 
 // Texels 2 i and 2 i + 1 are origin and t_max, direction and 0 of the ray of pixel i, counted row by row.
-#ifdef BUFFER_TEXTURES
+#ifdef RENDERING
+// Rays that a shader has made stand in two textures.
+uniform sampler2D u_ray_origins, u_ray_directions;
+vec4 ray_texel(int i) {
+  ivec2 at = ivec2((i >> 1) % BATCH_WIDTH, (i >> 1) / BATCH_WIDTH);
+  return (i & 1) == 0 ? texelFetch(u_ray_origins, at, 0) : texelFetch(u_ray_directions, at, 0);
+}
+#elif defined(BUFFER_TEXTURES)
 uniform samplerBuffer u_rays;
 vec4 ray_texel(int i) { return texelFetch(u_rays, i); }
 #else

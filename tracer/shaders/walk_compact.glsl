@@ -76,6 +76,9 @@ void walk_tree() {
 #else
     if (leaf_is_hit && is_end) walk.ended = true;
 #endif
+#ifdef ANY_HIT
+    if (in_cluster && all_have_hit()) walk.ended = true;
+#endif
     if (in_cluster && !is_last) {
       walk.cluster_at = at;
       walk.cluster_next = address;

@@ -85,6 +85,9 @@ void walk_tree() {
     if (at_transform) walk.request = (link_cell(geometry) - pass_transforms.x) / (TRANSFORM_TEXELS / 2);
 #endif
     if (geometry.x < float(LINK_TRANSFORM)) end_region();
+#ifdef ANY_HIT
+    if (in_cluster && all_have_hit()) walk.ended = true;
+#endif
     if (in_cluster && !is_last) {
       walk.cluster_at = cell;
       walk.cluster_next = address;
@@ -95,7 +98,7 @@ void walk_tree() {
       // A triangle that waits is resolved in this space before it is left.
       if (at.x < 0.0 && !walk_waits()) end_region();
     }
-    if (walk_waits() || walk.steps >= pass_walk.w) break;
+    if (walk.ended || walk_waits() || walk.steps >= pass_walk.w) break;
 #ifdef CAPTURE
     if (capture_is_full()) break;
 #endif

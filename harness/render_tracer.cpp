@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "harness/render_tracer.h"
+
+#include <utility>
+
+namespace plumbline {
+
+Picture picture_of(RenderedPicture rendered) {
+  return {rendered.width,
+          rendered.height,
+          rendered.frames,
+          std::move(rendered.mean),
+          std::move(rendered.variance),
+          std::move(rendered.depth),
+          std::move(rendered.normal),
+          std::move(rendered.primitive),
+          std::move(rendered.instance),
+          std::move(rendered.steps)};
+}
+
+PictureAttributes tracer_attributes(const Renderer& renderer, const GlContext& context, const std::string& scene,
+                                    double time) {
+  const RenderSettings& used = renderer.settings();
+  PictureAttributes attributes =
+      picture_attributes("tracer", scene, used.first_frame, used.frames, used.seed, time, *used.effects);
+  const BakeOptions& bake = used.bake;
+  attributes["plumbline.random"] = name_of(used.random);
+  attributes["plumbline.bundle"] = used.bundle.rays;
+  attributes["plumbline.variant"] = std::string(name_of(bake.layout)) + "," + name_of(bake.bounds) + "," +
+                                    name_of(bake.links) + "," + name_of(bake.transform_out) + "," +
+                                    name_of(bake.transform_list);
+  attributes["plumbline.driver"] = context.renderer() + ", " + context.version();
+  return attributes;
+}
+
+}  // namespace plumbline
