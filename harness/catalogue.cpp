@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "harness/closed_form_cases.h"
+#include "harness/drt_cases.h"
 #include "scenes/error.h"
 #include "scenes/random.h"
 
@@ -60,6 +61,7 @@ std::vector<Case> make_catalogue(const CatalogueOptions& options) {
     cases.push_back(drift_case());
     cases.push_back(bunnies_case(options.moved_rays));
     add(closed_form_cases(picture_sources, options.profile_samples));
+    add(model_bias_cases());
   }
   return cases;
 }

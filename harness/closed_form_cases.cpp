@@ -125,7 +125,7 @@ Case case_of(const ClosedFormInfo& info, const PictureSources& sources, std::uin
             context.progress((static_cast<double>(i) + share) / static_cast<double>(renderers.size()));
           });
       const ProfileResult result = judge_profile(form.profile, picture, source.independent_pixels);
-      if (!result.passed(kProfileLevel)) record.status = CaseStatus::failed;
+      if (!result.passed(kCaseLevel)) record.status = CaseStatus::failed;
       record.message += (record.message.empty() ? "" : "; ") + told(source.name, result);
       add_result(source.name, info, result, record);
       PlotSeries measured{source.name, kColors[i % std::size(kColors)], false, {}, {}}, deviation = measured;

@@ -79,7 +79,7 @@ constexpr std::uint64_t kSeeds[] = {11, 12};
 void check_found(const ClosedFormInfo& info, const Broken& broken) {
   for (const std::uint64_t seed : kSeeds) {
     CAPTURE(info.name(), seed);
-    CHECK_FALSE(examined(info, broken, seed).passed(kProfileLevel));
+    CHECK_FALSE(examined(info, broken, seed).passed(kCaseLevel));
   }
 }
 
@@ -97,7 +97,7 @@ TEST_CASE("The right renderer passes under the seeds that find the broken ones")
     if (info.scene == "disc_umbra" || info.scene == "grazing") continue;  // integrals of seconds; see the cases
     for (const std::uint64_t seed : kSeeds) {
       CAPTURE(info.name(), seed);
-      CHECK(examined(info, {}, seed).passed(kProfileLevel));
+      CHECK(examined(info, {}, seed).passed(kCaseLevel));
     }
   }
 }
@@ -216,6 +216,6 @@ TEST_CASE("What a profile says it would see it sees: a light's radius, once and 
   for (const std::uint64_t seed : {21u, 22u, 23u, 24u, 25u}) {
     ClosedForm off = form;
     off.scene.lights[0].radius *= static_cast<float>(1.0 + 1.5 * size);
-    CHECK_FALSE(judge_profile(form.profile, render_profile(off, source, seed, 400)).passed(kProfileLevel));
+    CHECK_FALSE(judge_profile(form.profile, render_profile(off, source, seed, 400)).passed(kCaseLevel));
   }
 }

@@ -254,6 +254,7 @@ int dispatch(int argc, char** argv) {
   add_verify_command(app, commands);
   add_inspect_command(app, commands);
   add_render_command(app, commands);
+  add_statistics_command(app, commands);
 
   CLI::App* bench_sub = app.add_subcommand("bench", "Measure speed against Embree, bakes and variants");
   bench_sub->add_option("--json", a.json, "Write the metrics to this file too");
