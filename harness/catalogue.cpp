@@ -46,6 +46,7 @@ std::vector<Case> make_catalogue(const CatalogueOptions& options) {
     add(scene.has_nodes ? transform_cases(scene, options.transform_rays, options.variant_rays)
                         : hit_cases(scene, options.hits_rays));
     cases.push_back(picture_case(scene));
+    cases.push_back(captured_case(scene, options.captured_rays));
     if (scene.has_spheres && !scene.has_nodes) cases.push_back(embree_spheres_case(scene, options.hits_rays));
     cases.push_back(brute_force_case(scene, options.brute_force_tests));
     cases.push_back(variants_case(scene, scene.has_nodes ? options.moved_rays : options.variant_rays));
@@ -56,6 +57,7 @@ std::vector<Case> make_catalogue(const CatalogueOptions& options) {
     if (scene.moves) cases.push_back(frames_case(scene, options.moved_rays));
     if (scene.has_nodes) cases.push_back(updates_case(scene, options.moved_rays));
   }
+  for (const ListedScene& scene : options.pictures) cases.push_back(captured_case(scene, options.captured_rays));
   if (options.whole) {
     cases.push_back(broken_trees_case());
     cases.push_back(drift_case());

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "harness/tracer_engine.h"
 #include "reports/format.h"
 #include "reports/plot.h"
 #include "scenes/error.h"
@@ -153,7 +154,9 @@ Case case_of(const ClosedFormInfo& info, const PictureSources& sources, std::uin
 
 }  // namespace
 
-std::vector<PictureSource> picture_sources(CaseContext&) { return {{"reference", make_reference_engine}}; }
+std::vector<PictureSource> picture_sources(CaseContext&) {
+  return {{"reference", make_reference_engine}, {"tracer, hash", make_tracer_engine}};
+}
 
 std::uint32_t frames_for(const Profile& profile, std::uint64_t samples) {
   constexpr std::uint32_t kWithoutVariance = 64, kLeast = 16, kMostMoving = 1 << 15;

@@ -104,13 +104,16 @@ struct Arguments {
   int rounds = 7;
 };
 
+constexpr std::uint64_t kNightlyCaptured = 1 << 16;  ///< rays of a picture of each scene
+
 /// The catalogue over `scenes` with `rays` per family and scene, or as many as make `total` in all on scenes without
 /// transforms.
 CatalogueOptions catalogue_options(std::vector<ListedScene> scenes, std::uint64_t rays, std::uint64_t total) {
   CatalogueOptions options;
   const auto plain = static_cast<std::uint64_t>(
       std::count_if(scenes.begin(), scenes.end(), [](const ListedScene& s) { return !s.has_nodes; }));
-  if (rays > 0) options.hits_rays = options.transform_rays = options.profile_samples = rays;
+  if (rays > 0)
+    options.hits_rays = options.transform_rays = options.profile_samples = options.captured_rays = rays;
   if (rays == 0 && total > 0) options.hits_rays = total / (plain * ray_families().size()) + 1;
   options.scenes = std::move(scenes);
   return options;
@@ -120,7 +123,9 @@ CatalogueOptions catalogue_options(std::vector<ListedScene> scenes, std::uint64_
 CatalogueOptions whole_catalogue(std::uint64_t rays, std::uint64_t total) {
   CatalogueOptions options = catalogue_options(every_scene(), rays, total);
   if (rays == 0 && total > 0) options.profile_samples = kNightlySamples;
+  options.pictures = effect_scenes();
   options.whole = true;
+  if (rays == 0 && total > 0) options.captured_rays = kNightlyCaptured;
   return options;
 }
 

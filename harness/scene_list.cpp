@@ -31,6 +31,12 @@ std::vector<ListedScene> placed_scenes() {
   return scenes;
 }
 
+std::vector<ListedScene> effect_scenes() {
+  std::vector<ListedScene> scenes;
+  for (const std::string& name : picture_scenes()) scenes.push_back({name, name});
+  return scenes;
+}
+
 std::vector<ListedScene> real_scenes() {
   const std::vector<std::pair<ListedScene, const char*>> known{
       {{"bunny", ""}, "obj/bunny/stanford-bunny.obj"},

@@ -26,6 +26,9 @@ std::vector<ListedScene> own_scenes();
 /// The scene files that come with Plumbline, all of them with instances.
 std::vector<ListedScene> placed_scenes();
 
+/// The scene files that come with Plumbline for renderers: effects, textures, a round ground.
+std::vector<ListedScene> effect_scenes();
+
 /// The scenes of the data folder that are present.
 std::vector<ListedScene> real_scenes();
 

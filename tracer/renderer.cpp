@@ -397,13 +397,18 @@ struct Renderer::Impl {
     return true;
   }
 
-  RenderedPicture picture() {
+  RenderedPicture moments() {
     RenderedPicture result;
     result.width = settings.width, result.height = settings.height;
-    AccumulatedMoments moments = accumulator.read();
-    result.frames = moments.frames;
-    result.mean = std::move(moments.mean);
-    result.variance = std::move(moments.variance);
+    AccumulatedMoments read = accumulator.read();
+    result.frames = read.frames;
+    result.mean = std::move(read.mean);
+    result.variance = std::move(read.variance);
+    return result;
+  }
+
+  RenderedPicture picture() {
+    RenderedPicture result = moments();
     const std::size_t pixels = static_cast<std::size_t>(settings.width) * static_cast<std::size_t>(settings.height);
     result.depth.resize(pixels), result.normal.resize(pixels);
     result.primitive.resize(pixels), result.instance.resize(pixels), result.steps.resize(pixels);
@@ -519,6 +524,7 @@ std::optional<RenderedPicture> Renderer::render(const RenderProgress& progress) 
   return picture();
 }
 
+RenderedPicture Renderer::moments() { return impl_->moments(); }
 void Renderer::set_tap(RenderTap* tap) { impl_->tap = tap; }
 std::uint64_t Renderer::rays_traced() const { return impl_->rays_traced; }
 std::uint64_t Renderer::passes() const { return impl_->passes; }

@@ -96,6 +96,8 @@ class Renderer {
   void restart(double time);
   /// The picture of the frames added so far.
   RenderedPicture picture();
+  /// The same without what sharp rays tell: mean and variance alone.
+  RenderedPicture moments();
 
   /// restart, all frames of the settings, and the picture; nothing where `progress` ended it.
   std::optional<RenderedPicture> render(const RenderProgress& progress = {});

@@ -30,14 +30,15 @@ inline constexpr std::uint32_t kWordUnfinished = 4;  ///< the words hold the sta
 /// begin anew.
 inline constexpr std::uint32_t kStateEnded = 1, kStateNew = 0;
 
-/// Random numbers are drawn in blocks of four (shaders/random.glsl): for the place in the pixel, the lens, the normal of
-/// a reflection, and each light.
+/// Random numbers are drawn in blocks of four (shaders/random.glsl): for the place in the pixel, the lens, the normal
+/// of a reflection, and each light.
 inline constexpr std::uint32_t kBlockPixel = 0, kBlockLens = 1, kBlockNormal = 2, kBlockLights = 3;
 
 /// Texels in a row of the shading image where it is not linear.
 inline constexpr int kShadingWidth = 4096;
 
-/// Rays of the largest bundle: each needs two of the eight targets that drivers have.
+/// Rays of the largest bundle: each needs two targets. Drivers of desktops have eight; GLSL ES 3.00 promises four, so
+/// there bundles of 3 and 4, and capturing passes, need a driver whose MAX_DRAW_BUFFERS allows them.
 inline constexpr int kMostBundled = 4;
 
 /// Of a capturing pass (walk_trace.h): its pixels, all but the last of which keep an event, and the event's kind in the
