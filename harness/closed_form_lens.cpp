@@ -11,7 +11,7 @@
 namespace plumbline {
 namespace {
 
-constexpr int kWidth = 24, kHeight = 32;
+constexpr int kWidth = 16, kHeight = 32;
 constexpr float kFocus = 2.0f, kAperture = 0.2f;
 
 /// A white background and a black half plane x > e at `distance` along the view. `blur` is what the picture spans, on

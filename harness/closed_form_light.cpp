@@ -155,12 +155,13 @@ double seen_cube(const DiscOverPoint& d, const std::function<double(double)>& po
          (8.0 * d.size * d.size * d.size);
 }
 
-constexpr int kSide = 24;  ///< of the pictures, pixels
+constexpr int kSide = 24;    ///< of the pictures of discs, pixels
+constexpr int kAcross = 16;  ///< points across the edge
 constexpr float kLightHeight = 4.0f, kOccluderHeight = 2.0f;
 
 /// The receiver z = 0, seen from (0, 0, 1), below whatever stands in the light.
-Scene receiver_scene(Effects::Model model, double size, double pixel) {
-  Scene scene = scene_for(model, {0, 0, 1}, {0, 0, 0}, {0, 1, 0}, kSide, kSide, pixel);
+Scene receiver_scene(Effects::Model model, double size, double pixel, int width) {
+  Scene scene = scene_for(model, {0, 0, 1}, {0, 0, 0}, {0, 1, 0}, width, kSide, pixel);
   scene.effects.soft_shadows = true;
   scene.lights = {{{0, 0, kLightHeight}, {1, 1, 1}, true, static_cast<float>(size)}};
   add_quad(scene, {glm::vec3{-8, -8, 0}, {8, -8, 0}, {8, 8, 0}, {-8, 8, 0}}, add_white(scene));
@@ -170,10 +171,10 @@ Scene receiver_scene(Effects::Model model, double size, double pixel) {
 SampleMoments moments_of(const LightMoments& m) { return SampleMoments::from_raw({m[1], m[2], m[3]}); }
 
 ClosedForm half_plane(Effects::Model model, double size) {
-  constexpr double kPitch = 0.1;
+  constexpr double kPitch = 0.15;
   constexpr float kEdge = 0.03f;
   ClosedForm form;
-  form.scene = receiver_scene(model, size, kPitch);
+  form.scene = receiver_scene(model, size, kPitch, kAcross);
   add_quad(form.scene,
            {glm::vec3{kEdge, -50, kOccluderHeight},
             {50, -50, kOccluderHeight},
@@ -182,23 +183,23 @@ ClosedForm half_plane(Effects::Model model, double size) {
            add_black(form.scene));
   const double pitch = pixel_of(form.scene.camera), light = static_cast<double>(form.scene.lights[0].radius);
   Profile& profile = form.profile;
-  profile.width = profile.height = kSide;
-  const double center = 0.5 * (kSide - 1);
+  profile.width = kAcross, profile.height = kSide;
+  const double middle = 0.5 * (kAcross - 1), center = 0.5 * (kSide - 1);
   // The scene is the same on both sides of y = 0.
   fill_pixels(
       profile, [](int column, int row) { return std::pair(column, std::min(row, kSide - 1 - row)); },
       [&](int column, int row) {
         return moments_of(light_over_half_plane(model, {0, 0, kLightHeight}, light, static_cast<double>(kEdge),
-                                                kOccluderHeight, pitch * (column - center), pitch * (center - row)));
+                                                kOccluderHeight, pitch * (column - middle), pitch * (center - row)));
       });
-  for (int i = 0; i < kSide * kSide; ++i) profile.point_of.push_back(static_cast<std::uint32_t>(i % kSide));
-  for (int column = 0; column < kSide; ++column) profile.place.push_back(pitch * (column - center));
+  for (int i = 0; i < kAcross * kSide; ++i) profile.point_of.push_back(static_cast<std::uint32_t>(i % kAcross));
+  for (int column = 0; column < kAcross; ++column) profile.place.push_back(pitch * (column - middle));
   return form;
 }
 
 ClosedForm disc(Effects::Model model, double size, float radius, double wanted_pitch) {
   ClosedForm form;
-  form.scene = receiver_scene(model, size, wanted_pitch);
+  form.scene = receiver_scene(model, size, wanted_pitch, kSide);
   Ground& ground = form.scene.ground;
   ground.center = {0, 0, kOccluderHeight};
   ground.normal = {0, 0, 1};

@@ -110,7 +110,7 @@ double covariance(const Profile::Interval& a, const Profile::Interval& b) {
 /// How far a noncentral chi-square must be shifted to be above the level's value with probability kPower.
 double needed_shift(double degrees) {
   const double limit =
-      boost::math::quantile(boost::math::complement(boost::math::chi_squared(degrees), 0.5 * kProfileLevel / kTests));
+      boost::math::quantile(boost::math::complement(boost::math::chi_squared(degrees), 0.5 * kCaseLevel / kTests));
   return boost::math::non_central_chi_squared::find_non_centrality(degrees, limit, 1.0 - kPower);
 }
 
@@ -206,7 +206,7 @@ ProfileResult judge_profile(const Profile& profile, const PictureMoments& pictur
   const double tests = apart ? 1.0 : kTests;
   result.detectable_point =
       least_error *
-      (boost::math::quantile(boost::math::complement(boost::math::normal(), 0.5 * kProfileLevel / (tests * count))) +
+      (boost::math::quantile(boost::math::complement(boost::math::normal(), 0.5 * kCaseLevel / (tests * count))) +
        boost::math::quantile(boost::math::normal(), kPower));
   if (apart) {
     result.p = result.p_worst;

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "harness/picture_engine.h"
+#include "harness/compare_pictures.h"
 
 namespace plumbline {
 
@@ -61,10 +61,6 @@ struct ProfileResult {
   double detectable_size = 0.0;   ///< relative error of the effect's size that is; 0 where it is not known
   bool passed(double level) const { return wrong_pixels == 0 && p >= level; }
 };
-
-/// How often a right renderer may fail one profile. A year's nights with 250 statistical cases each make 91,250 trials:
-/// at this level they give one false alarm (design section 7).
-inline constexpr double kProfileLevel = 1e-5;
 
 /// What rounding may add to a colour of size 1: some 60 operations of 2^-24 (SEMANTICS 6.9 asks 2^-22 of the mean
 /// itself).

@@ -6,6 +6,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "harness/distributions.h"
 #include "scenes/random.h"
 
 using namespace plumbline;
@@ -45,17 +46,6 @@ PictureMoments drawn(const Profile& profile, std::uint32_t frames, double shift,
   return picture;
 }
 
-/// The largest distance of the p-values' distribution from the uniform one, times sqrt(n): above 1.95 once in a
-/// thousand times (Kolmogorov).
-double kolmogorov(std::vector<double> p) {
-  std::sort(p.begin(), p.end());
-  const auto n = static_cast<double>(p.size());
-  double distance = 0.0;
-  for (std::size_t i = 0; i < p.size(); ++i)
-    distance = std::max({distance, (static_cast<double>(i) + 1.0) / n - p[i], p[i] - static_cast<double>(i) / n});
-  return distance * std::sqrt(n);
-}
-
 }  // namespace
 
 TEST_CASE("Profiles of right renderers give p-values that are uniform, and no alarm") {
@@ -64,14 +54,14 @@ TEST_CASE("Profiles of right renderers give p-values that are uniform, and no al
   double least = 1.0;
   for (std::uint64_t seed = 0; seed < 400; ++seed) {
     const ProfileResult r = judge_profile(profile, drawn(profile, 300, 0.0, seed));
-    REQUIRE(r.passed(kProfileLevel));
+    REQUIRE(r.passed(kCaseLevel));
     CHECK(r.sure_pixels == 2 * kRows);
     CHECK(r.points.size() == kPoints - 3);  // two are sure, the rare one is joined
     chi_square.push_back(r.p_chi_square), common.push_back(r.p_common);
     least = std::min(least, r.p_worst);
   }
-  CHECK(kolmogorov(chi_square) < 1.95);
-  CHECK(kolmogorov(common) < 1.95);
+  CHECK(test_uniform(chi_square).kolmogorov_p > 1e-3);
+  CHECK(test_uniform(common).kolmogorov_p > 1e-3);
   // The worst of 400 at 400 times its p: between once and a hundred times what is expected.
   CHECK(least > 0.01 / 400);
   CHECK(least < 10.0 / 400);
@@ -83,13 +73,12 @@ TEST_CASE("The bias that a profile says it would see is seen") {
   REQUIRE(right.detectable_size > 0.0);
   int seen = 0;
   for (std::uint64_t seed = 0; seed < 200; ++seed)
-    seen +=
-        !judge_profile(profile, drawn(profile, 2000, 0.1 * right.detectable_size, 100 + seed)).passed(kProfileLevel);
+    seen += !judge_profile(profile, drawn(profile, 2000, 0.1 * right.detectable_size, 100 + seed)).passed(kCaseLevel);
   CHECK(seen >= 192);  // of 200 with a chance of at least 0.99 each: fewer once in 2,000 times
   // And it is no idle statement: a third of it is seldom seen.
   seen = 0;
   for (std::uint64_t seed = 0; seed < 50; ++seed)
-    seen += !judge_profile(profile, drawn(profile, 2000, 0.03 * right.detectable_size, seed)).passed(kProfileLevel);
+    seen += !judge_profile(profile, drawn(profile, 2000, 0.03 * right.detectable_size, seed)).passed(kCaseLevel);
   CHECK(seen < 10);
 }
 
@@ -100,7 +89,7 @@ TEST_CASE("What no samples can give fails whatever the number of samples") {
     PictureMoments picture = right;
     change(picture);
     const ProfileResult r = judge_profile(profile, picture);
-    CHECK(r.passed(kProfileLevel) == (r.wrong_pixels == 0));
+    CHECK(r.passed(kCaseLevel) == (r.wrong_pixels == 0));
     return r.wrong_pixels;
   };
   CHECK(wrong_of([](PictureMoments&) {}) == 0);
@@ -165,18 +154,18 @@ TEST_CASE("Frames that share their time are judged by their number, with the cov
   std::vector<double> chi_square;
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
     const ProfileResult r = judge_profile(profile, film(seed, 1.0));
-    REQUIRE(r.passed(kProfileLevel));
+    REQUIRE(r.passed(kCaseLevel));
     chi_square.push_back(r.p_chi_square);
   }
-  CHECK(kolmogorov(chi_square) < 1.95);
-  CHECK_FALSE(judge_profile(profile, film(1, 0.8)).passed(kProfileLevel));
+  CHECK(test_uniform(chi_square).kolmogorov_p > 1e-3);
+  CHECK_FALSE(judge_profile(profile, film(1, 0.8)).passed(kCaseLevel));
 }
 
 TEST_CASE("Where pixels depend on each other each is judged by its own frames") {
   const Profile profile = ramp();
   const ProfileResult r = judge_profile(profile, drawn(profile, 2000, 0.0, 9), false);
-  CHECK(r.passed(kProfileLevel));
+  CHECK(r.passed(kCaseLevel));
   CHECK(r.points.size() == kRows * (kPoints - 3));  // a rare event has too few of its own
   CHECK(r.degrees == 0.0);
-  CHECK_FALSE(judge_profile(profile, drawn(profile, 2000, 0.1, 9), false).passed(kProfileLevel));
+  CHECK_FALSE(judge_profile(profile, drawn(profile, 2000, 0.1, 9), false).passed(kCaseLevel));
 }

@@ -16,8 +16,9 @@ struct PlotSeries {
   std::string color;  ///< "#d55e00"
   bool dashed = false;
   std::vector<double> x, y;  ///< as long as each other; points that a logarithmic axis cannot show are left out
+  bool marks = true;         ///< a dot at each point
+  bool line = true;          ///< from point to point
   std::vector<double> low = {}, high = {};  ///< ends of a bar at each point, as long as y; empty: no bars
-  bool line = true, marks = true;           ///< whether points are joined, and shown
 };
 
 struct Plot {
