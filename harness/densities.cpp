@@ -227,7 +227,7 @@ void record_density(const DensityResult& result, Body body, double level, const 
   constexpr const char* kColors[]{"#d55e00", "#0072b2", "#009e73"};
   Plot plot{"number u that should be uniform", "sqrt(n) (share found below u - u)", false, false, {}};
   for (std::size_t d = 0; d < result.away.size(); ++d) {
-    PlotSeries series{names[d], kColors[d], false, {0.0}, {0.0}, {}, {}, true, false};
+    PlotSeries series{names[d], kColors[d], false, {0.0}, {0.0}, false};
     for (std::size_t k = 0; k < result.away[d].size(); ++k) {
       series.x.push_back(static_cast<double>(k + 1) / kClasses);
       series.y.push_back(result.away[d][k]);

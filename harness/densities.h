@@ -13,6 +13,7 @@
 
 #include "harness/catalogue.h"
 #include "reports/record.h"
+#include "tracer/renderer.h"
 
 namespace plumbline {
 
@@ -71,5 +72,7 @@ struct PerturbationSource {
 std::vector<Case> density_cases(const PerturbationSource& source);
 /// The reference's own: its generator and its formulas.
 PerturbationSource reference_perturbations();
+/// The tracer's: what its shaders have used in a picture, with one source of random numbers.
+PerturbationSource tracer_perturbations(RandomKind random);
 
 }  // namespace plumbline

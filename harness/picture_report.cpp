@@ -22,22 +22,22 @@ Plot histogram_of(const std::vector<double>& p_values) {
     counts[static_cast<std::size_t>(std::min(kClasses - 1, static_cast<int>(p * kClasses)))] += 1.0;
   const double expected = static_cast<double>(p_values.size()) / kClasses;
   const double band = 2.576 * std::sqrt(expected * (1.0 - 1.0 / kClasses)) / expected;
-  PlotSeries steps{"pixels", kFound, false, {}, {}, {}, {}, true, false};
+  PlotSeries steps{"pixels", kFound, false, {}, {}, false};
   for (int i = 0; i < kClasses; ++i)
     for (const int end : {i, i + 1}) {
       steps.x.push_back(static_cast<double>(end) / kClasses);
       steps.y.push_back(counts[static_cast<std::size_t>(i)] / expected);
     }
   const PlotSeries low{
-      "99 % of classes, if pixels are independent", kExpected, true, {0, 1}, {1 - band, 1 - band}, {}, {}, true, false};
-  const PlotSeries high{"", kExpected, true, {0, 1}, {1 + band, 1 + band}, {}, {}, true, false};
+      "99 % of classes, if pixels are independent", kExpected, true, {0, 1}, {1 - band, 1 - band}, false};
+  const PlotSeries high{"", kExpected, true, {0, 1}, {1 + band, 1 + band}, false};
   return {"p-value of a pixel (Student)", "pixels, as a share of those expected", false, false, {steps, low, high}};
 }
 
 /// The smallest p-values against those expected of them: logarithmic, as small ones matter.
 Plot quantiles_of(std::vector<double> p_values) {
   std::sort(p_values.begin(), p_values.end());
-  PlotSeries found{"pixels", kFound, false, {}, {}}, line{"as expected", kExpected, true, {}, {}, {}, {}, true, false};
+  PlotSeries found{"pixels", kFound, false, {}, {}}, line{"as expected", kExpected, true, {}, {}, false};
   const std::size_t n = p_values.size();
   for (std::size_t i = 0; i < n; i += std::max<std::size_t>(1, i / 8)) {
     const double expected = (static_cast<double>(i) + 0.5) / static_cast<double>(n);
