@@ -65,14 +65,12 @@ ProfileResult examined(const ClosedFormInfo& info, const Broken& broken, std::ui
   broken.scene(rendered.scene);
   FaultySource numbers(seed);
   broken.numbers(numbers);
-  const PictureSource source{"broken",
-                             [&](const Scene& scene, const PictureSettings& settings) {
+  const PictureSource source{"broken", [&](const Scene& scene, const PictureSettings& settings) {
                                ReferenceSettings own;
                                own.effects = settings.effects;
                                own.time = settings.time;
                                return reference_engine(scene, own, &numbers);
-                             },
-                             true};
+                             }};
   return judge_profile(form.profile, render_profile(rendered, source, seed, frames_for(form.profile, samples)));
 }
 
@@ -231,7 +229,7 @@ TEST_CASE("Found: noise that is not renewed, or the same in all pixels") {
 TEST_CASE("What a profile says it would see it sees: a light's radius, once and a half of that") {
   const ClosedFormInfo& info = form_of("soft_shadow", "half_plane", kPhysical);
   const ClosedForm form = with_slope(info);
-  const PictureSource source{"reference", make_reference_engine, true};
+  const PictureSource source{"reference", make_reference_engine};
   const double size = judge_profile(form.profile, render_profile(form, source, 1, 400)).detectable_size;
   CHECK((size > 0.005 && size < 0.05));
   for (const std::uint64_t seed : {21u, 22u, 23u, 24u, 25u}) {
