@@ -4,7 +4,9 @@
 #include <algorithm>
 
 #include "harness/closed_form_cases.h"
+#include "harness/densities.h"
 #include "harness/drt_cases.h"
+#include "harness/tracer_engine.h"
 #include "scenes/error.h"
 #include "scenes/random.h"
 
@@ -63,6 +65,16 @@ std::vector<Case> make_catalogue(const CatalogueOptions& options) {
     cases.push_back(drift_case());
     cases.push_back(bunnies_case(options.moved_rays));
     add(closed_form_cases(picture_sources, options.profile_samples));
+    add(density_cases(reference_perturbations()));
+    for (const RandomKind random : {RandomKind::hash, RandomKind::md5, RandomKind::texture})
+      add(density_cases(tracer_perturbations(random)));
+    add(independent_cases([](CaseContext&) { return make_tracer_engine; }));
+    DrtOptions texture;
+    texture.name = "texture";
+    texture.pixels_independent = false;
+    RenderSettings with_texture;
+    with_texture.random = RandomKind::texture;
+    add(independent_cases([with_texture](CaseContext&) { return tracer_engines(with_texture); }, texture));
     add(model_bias_cases());
   }
   return cases;

@@ -19,10 +19,8 @@
 #include "harness/progress.h"
 #include "harness/run.h"
 #include "harness/version.h"
+#include "harness/worker.h"
 #include "reports/files.h"
-#include "reports/html.h"
-#include "reports/journal.h"
-#include "reports/json.h"
 #include "scenes/error.h"
 #include "scenes/generate.h"
 
@@ -141,18 +139,31 @@ int run(const Arguments& a, RunOptions options, const CatalogueOptions& catalogu
   options.seed = a.seed;
   options.out = a.out;
   options.resume = a.resume;
+  options.isolate = true;
   if (a.history != "none") options.history = a.history;
   return exit_status(run_cases(select_cases(make_catalogue(catalogue), a.patterns), options));
+}
+
+/// What the catalogue must know of a user's scene. It is loaded in a process of its own: one that crashes the reader is
+/// said to, and this process stays without threads, as the worker of the cases wants it.
+ListedScene look_at(const std::string& spec) {
+  Worker worker([&](const std::string&, const JobProgress&) {
+    const Scene scene = load_to_trace(spec);
+    return std::string(scene.spheres.empty() ? "0" : "1") + (scene.nodes.empty() ? "0" : "1") +
+           (scene.animation.empty() ? "0" : "1") + scene.name;
+  });
+  Worker::Death death;
+  const auto answer = worker.ask(
+      "", 3600.0, [](double) {}, death);
+  if (!answer) throw EnvironmentError(spec + ": the scene cannot be loaded: its reader " + death.how);
+  return {name_part(answer->substr(3)), spec, false, (*answer)[0] == '1', (*answer)[1] == '1', (*answer)[2] == '1'};
 }
 
 int check(const Arguments& a, RunOptions options) {
   Arguments arguments = a;
   arguments.history = "none";
-  const Scene scene = load_to_trace(a.scene);
-  const ListedScene listed{name_part(scene.name),   a.scene, false, !scene.spheres.empty(), !scene.nodes.empty(),
-                           !scene.animation.empty()};
   options.replay = "./plumbline check " + quoted(a.scene);
-  return run(arguments, options, catalogue_options({listed}, a.rays ? a.rays : 1 << 16, 0));
+  return run(arguments, options, catalogue_options({look_at(a.scene)}, a.rays ? a.rays : 1 << 16, 0));
 }
 
 int bench(const Arguments& a) {
@@ -197,18 +208,6 @@ int faults() {
   return all ? 0 : 1;
 }
 
-int report(const Arguments& a) {
-  RunRecord record;
-  const std::filesystem::path folder = a.out;
-  if (std::filesystem::exists(folder / "results.json"))
-    record = read_results(folder / "results.json");
-  else
-    record = read_journal(folder);
-  write_report(record, folder);
-  std::printf("Report: %s\n", (folder / "index.html").string().c_str());
-  return 0;
-}
-
 int dispatch(int argc, char** argv) {
   Arguments a;
   CLI::App app{
@@ -233,7 +232,9 @@ int dispatch(int argc, char** argv) {
   CLI::App* nightly = app.add_subcommand("nightly", "Run everything, over 20 million rays, and write the report");
   add_run_options(nightly);
   auto* nightly_seed = nightly->add_option("--seed", a.seed, "Seed of all rays; the date if not given")->check(kSeed);
-  nightly->add_option("--budget", a.budget, "Begin no case after this time, such as 20m; what is left out is said");
+  auto* nightly_budget = nightly->add_option(
+      "--budget", a.budget,
+      "Time for all, such as 20m: every case once, then more rays where they tell most; 15m if not given, or `none`");
 
   CLI::App* list = app.add_subcommand("list", "List cases and what each proves");
   list->add_option("PATTERN", a.patterns, "Names, prefixes or patterns with * and ?");
@@ -243,7 +244,9 @@ int dispatch(int argc, char** argv) {
   run_sub->add_option("--seed", a.seed, "Seed of all rays; the same seed repeats a run bit for bit")
       ->check(kSeed)
       ->capture_default_str();
-  run_sub->add_option("--budget", a.budget, "Begin no case after this time, such as 5m; what is left out is said");
+  run_sub->add_option("--budget", a.budget,
+                      "Time for all, such as 5m: what cannot begin in it is left out, and said to be; what is left "
+                      "goes into more rays");
   add_run_options(run_sub);
 
   CLI::App* check_sub =
@@ -260,6 +263,7 @@ int dispatch(int argc, char** argv) {
   add_inspect_command(app, commands);
   add_render_command(app, commands);
   add_statistics_command(app, commands);
+  add_history_commands(app, commands);
 
   CLI::App* bench_sub = app.add_subcommand("bench", "Measure speed against Embree, bakes and variants");
   bench_sub->add_option("--json", a.json, "Write the metrics to this file too");
@@ -269,10 +273,9 @@ int dispatch(int argc, char** argv) {
   bench_sub->add_flag("--quick", a.quick, "Leave out the variants and the scene of a million triangles");
   bench_sub->add_flag("--paper", a.paper, "The paper's Figures 4 and 6 instead: rays that walk together, as ratios");
 
-  CLI::App* faults_sub =
-      app.add_subcommand("faults", "Break the tracer on purpose, one fault at a time, and name what catches it");
-  CLI::App* report_sub = app.add_subcommand("report", "Write the report of a run again from its record");
-  report_sub->add_option("DIR", a.out, "The run's folder")->required();
+  commands.emplace_back(
+      app.add_subcommand("faults", "Break the tracer on purpose, one fault at a time, and name what catches it"),
+      faults);
 
   try {
     app.parse(argc, argv);
@@ -293,6 +296,8 @@ int dispatch(int argc, char** argv) {
   if (a.history.empty()) a.history = (std::filesystem::path(a.out).parent_path() / "plumbline-history.sqlite").string();
   if (*nightly) {
     if (nightly_seed->count() == 0) a.seed = seed_of_today();
+    if (nightly_budget->count() == 0) a.budget = "15m";
+    if (a.budget == "none") a.budget.clear();
     return run(a, options, whole_catalogue(a.rays, kNightlyRays));
   }
   if (*list) return list_cases(a);
@@ -303,9 +308,7 @@ int dispatch(int argc, char** argv) {
   if (*check_sub) return check(a, options);
   for (const auto& [sub, act] : commands)
     if (*sub) return act();
-  if (*bench_sub) return bench(a);
-  if (*faults_sub) return faults();
-  return report(a);
+  return bench(a);
 }
 
 }  // namespace

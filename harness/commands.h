@@ -22,6 +22,7 @@ void add_verify_command(CLI::App& app, Commands& commands);
 void add_inspect_command(CLI::App& app, Commands& commands);
 void add_render_command(CLI::App& app, Commands& commands);
 void add_statistics_command(CLI::App& app, Commands& commands);
+void add_history_commands(CLI::App& app, Commands& commands);
 
 /// Adds --layout, --bounds, --links, ...: all that makes one bake another. `options` must outlive the parsing.
 void add_bake_options(CLI::App& sub, BakeOptions& options);

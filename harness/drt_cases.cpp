@@ -6,6 +6,7 @@
 #include "harness/model_bias.h"
 #include "harness/picture_report.h"
 #include "scenes/generate.h"
+#include "scenes/random.h"
 
 namespace plumbline {
 namespace {
@@ -63,12 +64,15 @@ Case convergence_case(const std::string& name, const DrtScene& scene, const std:
   Case c = named_case(name, scene, "The error against a long reference falls as one over the number of samples.");
   c.run = [=](CaseContext& context, const Case& self, CaseRecord& record) {
     const Scene prepared = with_effects(load_scene(self.spec));
-    PictureSettings settings{48, 36, effects_of(prepared, effects, Effects::Model::paper), 0, 0.0};
-    settings.seed = case_seed(context.seed, self.name);
-    const auto tested = engine(context)(prepared, settings);
-    settings.seed = case_seed(context.seed, self.name + " truth");
-    const auto truth = make_reference_engine(prepared, settings);
-    record_convergence(measure_convergence(*tested, *truth, {}, context.progress), context.out, self.name, record);
+    PictureSettings settings{32, 24, effects_of(prepared, effects, Effects::Model::paper), 0, 0.0};
+    const auto made = [&](const MakePictureEngine& make, const char* purpose) {
+      settings.seed = mix64(case_seed(context.seed, self.name) ^ name_hash(purpose));
+      return make(prepared, settings);
+    };
+    const auto tested = made(engine(context), "tested"), reference = made(make_reference_engine, "reference"),
+               truth = made(make_reference_engine, "truth");
+    record_convergence(measure_convergence(*tested, *reference, *truth, {}, context.progress), context.out, self.name,
+                       record);
   };
   return c;
 }

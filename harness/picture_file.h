@@ -14,7 +14,7 @@
 namespace plumbline {
 
 /// A picture, row by row from the top.
-struct Picture {
+struct PictureFile {
   int width = 0, height = 0;
   std::uint32_t frames = 0;
   std::vector<glm::dvec3> mean;                    ///< linear colour
@@ -41,12 +41,12 @@ void set_effects(const std::string& list, Effects& effects);
 /// rendered.
 void require_picture_name(const std::filesystem::path& path);
 
-Image picture_image(const Picture& picture, const PictureAttributes& attributes);
+Image picture_image(const PictureFile& picture, const PictureAttributes& attributes);
 
 /// Pixels with a NaN or an infinity.
-std::uint64_t count_not_finite(const Picture& picture);
+std::uint64_t count_not_finite(const PictureFile& picture);
 
 /// Writes `output`, by its ending.
-void write_picture(const Picture& picture, const PictureAttributes& attributes, const std::filesystem::path& output);
+void write_picture(const PictureFile& picture, const PictureAttributes& attributes, const std::filesystem::path& output);
 
 }  // namespace plumbline

@@ -192,7 +192,7 @@ TEST_CASE("json: files are whole or not there") {
   CHECK_THROWS_AS(read_results(folder.path / "empty"), InputError);
   CHECK(read_text(folder.path / "empty").empty());
   CHECK_THROWS_AS(write_results(full_run(), folder.path / "empty" / "results.json"), EnvironmentError);
-  CHECK_THROWS_AS(write_text(folder.path, "x"), EnvironmentError);
+  CHECK_THROWS_AS(write_text(folder.path, "x"), InputError);
 }
 
 }  // namespace plumbline
