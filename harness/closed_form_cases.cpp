@@ -115,7 +115,6 @@ Case case_of(const ClosedFormInfo& info, const PictureSources& sources, std::uin
   c.proves = info.proves;
   c.run = [info, sources, samples](CaseContext& context, const Case& self, CaseRecord& record) {
     const ClosedForm form = with_slope(info);
-    const std::uint32_t frames = frames_for(form.profile, samples);
     PlotSeries curve = analytic_curve(form.profile);
     Plot profile{info.axis, "mean colour", false, false, {curve}};
     Plot residuals{info.axis, "deviation (standard errors)", false, false, {}};
@@ -124,6 +123,10 @@ Case case_of(const ClosedFormInfo& info, const PictureSources& sources, std::uin
     record.tables.push_back(new_table(info));
     for (std::size_t i = 0; i < renderers.size(); ++i) {
       const PictureSource& source = renderers[i];
+      // With motion blur alone nothing is drawn but the frame's time, which is no pixel's.
+      if (!source.independent_pixels && !form.profile.exposed.empty()) continue;
+      const std::uint32_t frames = frames_for(
+          form.profile, static_cast<std::uint64_t>(std::llround(source.effort * static_cast<double>(samples))));
       const PictureMoments picture =
           render_profile(form, source, case_seed(context.seed, self.name), frames, [&](double share) {
             context.progress((static_cast<double>(i) + share) / static_cast<double>(renderers.size()));
@@ -140,9 +143,10 @@ Case case_of(const ClosedFormInfo& info, const PictureSources& sources, std::uin
         deviation.x.push_back(point.place), deviation.y.push_back(point.z);
       }
       measured.line = deviation.line = false;
-      if (result.points.empty()) continue;
-      profile.series.push_back(std::move(measured));
+      // Where each pixel is a point there are hundreds: the table tells of them.
+      if (result.points.empty() || !source.independent_pixels) continue;
       residuals.series.push_back(std::move(deviation));
+      profile.series.push_back(std::move(measured));
     }
     record.pictures.push_back(save_plot(profile, context.out, self.name + ".profile", "Profile",
                                         "Measured means with 99 % intervals over the analytic curve; bars shorter than "
@@ -158,7 +162,11 @@ Case case_of(const ClosedFormInfo& info, const PictureSources& sources, std::uin
 }  // namespace
 
 std::vector<PictureSource> picture_sources(CaseContext&) {
-  return {{"reference", make_reference_engine}, {"tracer, hash", make_tracer_engine}};
+  RenderSettings with_image;
+  with_image.random = RandomKind::texture;
+  return {{"reference", make_reference_engine},
+          {"tracer, hash", make_tracer_engine},
+          {"tracer, texture", tracer_engines(with_image), false, 0.125}};
 }
 
 std::uint32_t frames_for(const Profile& profile, std::uint64_t samples) {

@@ -12,6 +12,7 @@ struct PictureSource {
   std::string name;  ///< as reports show it: "reference", "tracer, hash"
   MakePictureEngine make;
   bool independent_pixels = true;  ///< false for the noise `texture` (SEMANTICS 7.1)
+  double effort = 1.0;             ///< share of the samples asked for that it takes
 };
 
 /// The renderers of a run, made where the session is known.
