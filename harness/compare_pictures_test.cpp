@@ -184,7 +184,7 @@ TEST_CASE("Faults of the renderer are seen, the renderer itself is not", "[stati
     const auto faulty = [&](const Scene& s, const PictureSettings& settings) {
       return changed_engine(fault, s, settings);
     };
-    const Effects asked = in_eight_bits ? effects_of(scene, {"soft_shadow"}, Effects::Model::physical) : effects;
+    const Effects asked = in_eight_bits ? effects_of(scene, {}, Effects::Model::physical) : effects;
     CHECK(compare_engines(scene, asked, depth, 9, faulty, make_reference_engine).alarm());
   }
 }
