@@ -59,7 +59,10 @@ std::vector<Case> make_catalogue(const CatalogueOptions& options) {
     if (scene.moves) cases.push_back(frames_case(scene, options.moved_rays));
     if (scene.has_nodes) cases.push_back(updates_case(scene, options.moved_rays));
   }
-  for (const ListedScene& scene : options.pictures) cases.push_back(captured_case(scene, options.captured_rays));
+  for (const ListedScene& scene : options.pictures) {
+    cases.push_back(captured_case(scene, options.captured_rays));
+    add(paired_cases(scene, options.paired_samples));
+  }
   if (options.whole) {
     cases.push_back(broken_trees_case());
     cases.push_back(drift_case());

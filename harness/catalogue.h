@@ -42,6 +42,7 @@ struct CatalogueOptions {
   std::uint64_t transform_rays = 1 << 14;   ///< per family, way out of a transform, and scene of instances
   std::uint64_t moved_rays = 1 << 9;        ///< per family and frame, after updates, and per variant there
   std::uint64_t captured_rays = 1 << 12;    ///< of a picture of each scene, the scenes of pictures too
+  std::uint64_t paired_samples = 2400;      ///< per scene and effect
   std::uint64_t bundle_rays = 1 << 6;       ///< per family, size of bundle, way out of a transform, and scene
   std::uint64_t profile_samples = 1 << 14;  ///< for each point of a profile that is known in closed form
   std::vector<ListedScene> pictures;        ///< scenes for renderers alone
@@ -64,6 +65,7 @@ std::vector<Case> select_cases(const std::vector<Case>& cases, const std::vector
 std::vector<Case> driver_cases();
 std::vector<Case> hit_cases(const ListedScene& scene, std::uint64_t rays);
 Case picture_case(const ListedScene& scene);
+std::vector<Case> paired_cases(const ListedScene& scene, std::uint64_t samples);
 Case captured_case(const ListedScene& scene, std::uint64_t rays);
 Case brute_force_case(const ListedScene& scene, std::uint64_t tests);
 Case variants_case(const ListedScene& scene, std::uint64_t rays);

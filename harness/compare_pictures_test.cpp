@@ -9,7 +9,7 @@
 #include "harness/convergence.h"
 #include "harness/distributions.h"
 #include "harness/independent.h"
-#include "harness/picture_changes.h"
+#include "harness/picture_faults.h"
 #include "scenes/generate.h"
 #include "scenes/random.h"
 
@@ -174,7 +174,8 @@ TEST_CASE("Faults of the renderer are seen, the renderer itself is not", "[stati
   depth.width = 32, depth.height = 24, depth.frames = 2;
   depth.most_flips = 200;
   CHECK_FALSE(compare_engines(scene, effects, depth, 8, make_reference_engine, make_reference_engine).alarm());
-  for (const PictureChange& fault : picture_faults()) {
+  for (const PictureFault& seeded : picture_faults()) {
+    const PictureChange& fault = seeded.change;
     // Eight bits drown in the noise of pixels that have some; a sharp picture has others.
     const bool in_eight_bits = fault.name == "eight_bits";
     if (!in_eight_bits && fault.name != "half_pixel" && fault.name != "noise_kept" && fault.name != "light_centre")

@@ -5,7 +5,6 @@
 #include "harness/convergence.h"
 #include "harness/model_bias.h"
 #include "harness/picture_report.h"
-#include "scenes/generate.h"
 #include "scenes/random.h"
 
 namespace plumbline {
@@ -50,7 +49,7 @@ Case comparison_case(const std::string& name, const DrtScene& scene, const std::
                      Depth depth) {
   Case c = named_case(name, scene, proves);
   c.run = [=](CaseContext& context, const Case& self, CaseRecord& record) {
-    const Scene prepared = with_effects(load_scene(self.spec));
+    const Scene prepared = drt_scene(self.spec);
     const PictureComparison result =
         compare_engines(prepared, effects_of(prepared, effects, model), depth, case_seed(context.seed, self.name),
                         engine(context), make_reference_engine, context.progress);
@@ -63,7 +62,7 @@ Case convergence_case(const std::string& name, const DrtScene& scene, const std:
                       const EngineUnderTest& engine) {
   Case c = named_case(name, scene, "The error against a long reference falls as one over the number of samples.");
   c.run = [=](CaseContext& context, const Case& self, CaseRecord& record) {
-    const Scene prepared = with_effects(load_scene(self.spec));
+    const Scene prepared = drt_scene(self.spec);
     PictureSettings settings{32, 24, effects_of(prepared, effects, Effects::Model::paper), 0, 0.0};
     const auto made = [&](const MakePictureEngine& make, const char* purpose) {
       settings.seed = mix64(case_seed(context.seed, self.name) ^ name_hash(purpose));
@@ -104,6 +103,9 @@ std::vector<Case> independent_cases(const EngineUnderTest& engine, const DrtOpti
     }
     cases.push_back(convergence_case("drt.convergence." + prefix + effect + "." + scene.name, scene, {effect}, engine));
   }
+  cases.push_back(comparison_case("drt.independent." + prefix + "bounces.mirrors.paper", {"mirrors", "mirrors"},
+                                  "Light that comes by up to five bounces between mirrors is all there, and no more.",
+                                  {"aa"}, Effects::Model::paper, engine, depth_of(64, 48, options.all_frames)));
   for (const DrtScene& scene : scenes_for_all()) {
     const std::vector<std::string>& effects = effect_names();
     for (std::size_t i = 0; i < effects.size(); ++i)
@@ -128,7 +130,7 @@ std::vector<Case> model_bias_cases() {
     Case c = named_case("drt.model_bias." + std::string(effect) + "." + scene.name, scene,
                         "How far the paper's cube is from disc and ball: told in figures, and no error.");
     c.run = [effects = std::vector<std::string>{effect}](CaseContext& context, const Case& self, CaseRecord& record) {
-      const Scene prepared = with_effects(load_scene(self.spec));
+      const Scene prepared = drt_scene(self.spec);
       record_model_bias(measure_model_bias(prepared, effects, {}, case_seed(context.seed, self.name), context.progress),
                         context.out, self.name, record);
     };

@@ -7,6 +7,7 @@
 #include "harness/picture_changes.h"
 #include "scenes/camera.h"
 #include "scenes/error.h"
+#include "scenes/generate.h"
 #include "scenes/random.h"
 
 namespace plumbline {
@@ -69,6 +70,13 @@ Scene with_effects(Scene scene) {
   }
   if (camera.shutter_open == camera.shutter_close) camera.shutter_close = camera.shutter_open + 1.0f;
   return scene;
+}
+
+Scene drt_scene(const std::string& spec) {
+  if (spec != "mirrors") return with_effects(load_scene(spec));
+  Scene scene = load_scene("sphereflake:3");
+  for (Material& material : scene.materials) material.specular = 0.9f, material.diffuse = 0.3f;
+  return with_effects(std::move(scene));
 }
 
 PictureComparison compare_engines(const Scene& scene, const Effects& effects, const Depth& depth, std::uint64_t seed,

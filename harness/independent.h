@@ -29,6 +29,10 @@ Effects effects_of(const Scene& scene, const std::vector<std::string>& names, Ef
 /// the default one.
 Scene with_effects(Scene scene);
 
+/// The scene of a case, with_effects: what load_scene takes, or "mirrors": a sphereflake of mirrors, whose light comes
+/// by many bounces.
+Scene drt_scene(const std::string& spec);
+
 /// Renders with both makers, with seeds made of `seed`, and compares; the directions are the small changes that the
 /// picture can show; together they take about as many samples as one of the engines.
 PictureComparison compare_engines(const Scene& scene, const Effects& effects, const Depth& depth, std::uint64_t seed,

@@ -3,14 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "scenes/error.h"
 
 namespace plumbline {
 namespace {
-
-constexpr std::uint32_t kLens = 2, kLight = 8;  ///< first dimensions, SEMANTICS 7.3
 
 class ChangedNumbers final : public RandomSource {
  public:
@@ -75,14 +72,6 @@ class ChangedEngine final : public PictureEngine {
   std::unique_ptr<PictureEngine> engine_;
 };
 
-void scale_lights(Scene& scene, float by) {
-  for (Light& light : scene.lights) light.radius *= by;
-}
-void scale_glossy(Scene& scene, Effects& effects, float by) {
-  effects.glossy *= by;
-  for (Material& material : scene.materials)
-    if (material.glossy > 0.0f) material.glossy *= by;
-}
 bool has_soft_light(const Scene& scene) {
   return std::any_of(scene.lights.begin(), scene.lights.end(), [](const Light& light) { return light.radius > 0.0f; });
 }
@@ -95,17 +84,6 @@ bool has_bounces(const Scene& scene) {
   return std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& material) {
     return material.specular > 0.0f || material.transmittance > 0.0f;
   });
-}
-
-/// The place in the pixel moved by so many pixels.
-PictureChange pixel_shift(const std::string& name, double x, double y) {
-  PictureChange change;
-  change.name = name;
-  change.fill = [x, y](const RandomSource& own, const Draw& draw, std::span<double> numbers) {
-    own.fill(draw, numbers);
-    if (draw.dimension == 0 && numbers.size() == 2) numbers[0] += x, numbers[1] += y;
-  };
-  return change;
 }
 
 /// Means over 3 x 3 pixels: changes mostly reach further than a pixel, noise does not.
@@ -123,28 +101,26 @@ std::vector<glm::dvec3> blurred(const std::vector<glm::dvec3>& values, int width
   return result;
 }
 
-/// Numbers that in_ball takes to this place, which need not lie within the ball.
-glm::dvec3 numbers_of_ball(const glm::dvec3& p) {
-  const double length = glm::length(p);
-  if (length == 0.0) return glm::dvec3(0.5, 0.0, 0.0);
-  const double turns = std::atan2(p.y, p.x) / (2.0 * std::numbers::pi);
-  return {0.5 * (1.0 - p.z / length), turns, length * length * length};
-}
-
-/// A change of the three numbers that make a perturbation of lights.
-PictureChange light_numbers(const std::string& name, const std::function<glm::dvec3(const glm::dvec3&)>& change) {
-  PictureChange fault;
-  fault.name = name;
-  fault.fill = [change](const RandomSource& own, const Draw& draw, std::span<double> numbers) {
-    own.fill(draw, numbers);
-    if (draw.dimension < kLight) return;
-    const glm::dvec3 changed = change({numbers[0], numbers[1], numbers[2]});
-    numbers[0] = changed.x, numbers[1] = changed.y, numbers[2] = changed.z;
-  };
-  return fault;
-}
-
 }  // namespace
+
+void scale_lights(Scene& scene, float by) {
+  for (Light& light : scene.lights) light.radius *= by;
+}
+void scale_glossy(Scene& scene, Effects& effects, float by) {
+  effects.glossy *= by;
+  for (Material& material : scene.materials)
+    if (material.glossy > 0.0f) material.glossy *= by;
+}
+
+PictureChange pixel_shift(const std::string& name, double x, double y) {
+  PictureChange change;
+  change.name = name;
+  change.fill = [x, y](const RandomSource& own, const Draw& draw, std::span<double> numbers) {
+    own.fill(draw, numbers);
+    if (draw.dimension == 0 && numbers.size() == 2) numbers[0] += x, numbers[1] += y;
+  };
+  return change;
+}
 
 std::unique_ptr<PictureEngine> changed_engine(const PictureChange& change, const Scene& scene,
                                               const PictureSettings& settings) {
@@ -219,71 +195,6 @@ std::vector<Direction> directions_of(const std::vector<PictureChange>& changes, 
     if (length > 4.0 * std::sqrt(noise)) directions.push_back(std::move(direction));
   }
   return directions;
-}
-
-std::vector<PictureChange> picture_faults() {
-  std::vector<PictureChange> faults;
-  const auto add = [&](PictureChange fault, const std::string& what) {
-    fault.what = what;
-    faults.push_back(std::move(fault));
-  };
-  const auto edit = [&](const std::string& name, const std::string& what,
-                        std::function<void(Scene&, Effects&)> change) {
-    PictureChange fault;
-    fault.name = name;
-    fault.edit = std::move(change);
-    add(std::move(fault), what);
-  };
-  edit("light_radius", "lights are 3 % too large", [](Scene& s, Effects&) { scale_lights(s, 1.03f); });
-  edit("aperture", "the lens is 3 % too wide", [](Scene& s, Effects&) { s.camera.aperture *= 1.03f; });
-  edit("glossiness", "reflections are 5 % too rough", [](Scene& s, Effects& e) { scale_glossy(s, e, 1.05f); });
-  edit("light_centre", "lights are points at their centres", [](Scene&, Effects& e) { e.soft_shadows = false; });
-  edit("depth_4", "reflections end one bounce early", [](Scene&, Effects& e) { e.depth = 4; });
-  add(light_numbers("light_cube", [](const glm::dvec3& u) { return numbers_of_ball(2.0 * u - 1.0); }),
-      "a cube of lights where the physical model has a ball");
-  add(light_numbers("light_surface", [](const glm::dvec3& u) { return glm::dvec3(u.x, u.y, 1.0); }),
-      "lights are on the ball's surface, not in its volume");
-  PictureChange fault;
-  fault.name = "lens_no_root";
-  fault.fill = [](const RandomSource& own, const Draw& draw, std::span<double> numbers) {
-    own.fill(draw, numbers);
-    if (draw.dimension == kLens) numbers[0] *= numbers[0];  // of which the square root is taken
-  };
-  add(fault, "the physical lens is sampled by radius, without the square root");
-  fault = {};
-  fault.name = "light_is_lens";
-  fault.fill = [](const RandomSource& own, const Draw& draw, std::span<double> numbers) {
-    Draw from = draw;
-    if (draw.dimension >= kLight) from.dimension = kLens, from.ray = 1;
-    own.fill(from, numbers);
-  };
-  add(fault, "light and lens use the same random numbers");
-  fault = {};
-  fault.name = "noise_kept";
-  fault.frame = [](std::uint32_t) { return 0u; };
-  add(fault, "the noise is not renewed: every frame has the numbers of the first");
-  fault = {};
-  fault.name = "noise_repeats";
-  fault.frame = [](std::uint32_t frame) { return frame % 64; };
-  add(fault, "the noise comes again after 64 frames");
-  fault = {};
-  fault.name = "neighbours_share";
-  fault.fill = [](const RandomSource& own, const Draw& draw, std::span<double> numbers) {
-    Draw from = draw;
-    from.x &= ~1u;
-    own.fill(from, numbers);
-  };
-  add(fault, "pairs of neighbouring pixels use the same random numbers");
-  add(pixel_shift("half_pixel", 0.5, 0.5), "samples are shifted by half a pixel");
-  fault = {};
-  fault.name = "half_shutter";
-  fault.time = [](double w) { return 0.5 * w; };
-  add(fault, "the shutter is open in its first half only");
-  fault = {};
-  fault.name = "eight_bits";
-  fault.eight_bits = true;
-  add(fault, "frames are averaged in 8 bits");
-  return faults;
 }
 
 }  // namespace plumbline

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Pictures that are wrong on purpose, in one named way: of the scene, of the effects, or of the random numbers. Small
-// changes are the directions along which comparisons look; larger ones are the faults that comparisons must find.
+// changes are the directions along which comparisons look; those of picture_faults.h must be found.
 #pragma once
 
 #include <functional>
@@ -38,7 +38,10 @@ std::vector<PictureChange> small_changes(const Scene& scene, const Effects& effe
 std::vector<Direction> directions_of(const std::vector<PictureChange>& changes, const Scene& scene,
                                      const PictureSettings& settings, std::uint32_t frames);
 
-/// Faults that a comparison must find: at nightly depth with any seed.
-std::vector<PictureChange> picture_faults();
+/// Radii of all lights times `by`; all glossiness times `by`.
+void scale_lights(Scene& scene, float by);
+void scale_glossy(Scene& scene, Effects& effects, float by);
+/// The place in the pixel moved by so many pixels.
+PictureChange pixel_shift(const std::string& name, double x, double y);
 
 }  // namespace plumbline

@@ -33,7 +33,8 @@ std::vector<ListedScene> placed_scenes() {
 
 std::vector<ListedScene> effect_scenes() {
   std::vector<ListedScene> scenes;
-  for (const std::string& name : picture_scenes()) scenes.push_back({name, name});
+  for (const std::string& name : picture_scenes())
+    scenes.push_back({name, name, false, false, false, name == "motion"});
   return scenes;
 }
 

@@ -9,10 +9,10 @@
 #include "harness/commands.h"
 #include "harness/distributions.h"
 #include "harness/independent.h"
-#include "harness/picture_changes.h"
+#include "harness/picture_faults.h"
 #include "harness/progress.h"
 #include "reports/format.h"
-#include "scenes/generate.h"
+#include "scenes/error.h"
 #include "scenes/random.h"
 
 namespace plumbline {
@@ -67,17 +67,14 @@ int measure_alarms(const StatisticsArguments& a, const Scene& scene) {
   return alarms == 0 ? 0 : 1;
 }
 
-int seed_faults(const StatisticsArguments& a, const Scene& scene) {
-  const Effects effects = effects_asked(a, scene);
-  bool all = true;
+int seed_faults(const StatisticsArguments& a) {
+  bool all = true, any = false;
   std::printf("%-18s %-8s %7s  %s\n", "fault", "", "seconds", "what told of it");
-  for (const PictureChange& fault : picture_faults()) {
-    if (!a.fault.empty() && fault.name != a.fault) continue;
+  for (const PictureFault& fault : picture_faults()) {
+    if (!a.fault.empty() && fault.change.name != a.fault) continue;
+    any = true;
     const auto start = Clock::now();
-    const auto faulty = [&](const Scene& s, const PictureSettings& settings) {
-      return changed_engine(fault, s, settings);
-    };
-    const PictureComparison result = compare_engines(scene, effects, a.depth, a.seed, faulty, make_reference_engine);
+    const PictureComparison result = compare_with_fault(fault, a.seed);
     std::string told;
     for (const TestFamily& family : result.families)
       if (family.alarm()) told += (told.empty() ? "" : "; ") + family.name + ": " + family.worst;
@@ -85,7 +82,7 @@ int seed_faults(const StatisticsArguments& a, const Scene& scene) {
       all = false;
       told = fault.what + " (least p " + value_text(result.p()) + ", level " + value_text(result.level) + ")";
     }
-    std::printf("%-18s %-8s %7.1f  %s\n", fault.name.c_str(), result.alarm() ? "caught" : "MISSED",
+    std::printf("%-18s %-8s %7.1f  %s\n", fault.change.name.c_str(), result.alarm() ? "caught" : "MISSED",
                 seconds_since(start), told.c_str());
     if (!a.fault.empty())
       for (const TestFamily& family : result.families)
@@ -93,6 +90,7 @@ int seed_faults(const StatisticsArguments& a, const Scene& scene) {
                     family.worst.c_str(), family.would_see.c_str());
     std::fflush(stdout);
   }
+  if (!any) throw InputError("there is no fault '" + a.fault + "'; `plumbline statistics` seeds them all");
   return all ? 0 : 1;
 }
 
@@ -102,27 +100,27 @@ void add_statistics_command(CLI::App& app, Commands& commands) {
   const auto a = std::make_shared<StatisticsArguments>();
   CLI::App* sub = app.add_subcommand(
       "statistics", "What the statistical tests are worth: faults seeded into the reference, or false alarms counted");
-  sub->add_option("SCENE", a->scene, "Scene file or generator; what effects need and it lacks is added")
+  sub->add_option("SCENE", a->scene, "Of --alarms: scene file or generator; what effects need and it lacks is added")
       ->capture_default_str();
   sub->add_option("--alarms", a->alarms, "Compare the reference with itself so often, instead of seeding faults")
       ->check(CLI::Range(1, 100000));
-  sub->add_option("--effects", a->effects, "Such as soft_shadow,dof; all if not given");
+  sub->add_option("--effects", a->effects, "With --alarms: such as soft_shadow,dof; all if not given");
   sub->add_option("--fault", a->fault, "Seed this one only");
-  sub->add_option("--model", a->model, "Densities of the effects")
+  sub->add_option("--model", a->model, "With --alarms: densities of the effects")
       ->check(CLI::IsMember({"paper", "physical"}))
       ->capture_default_str();
-  sub->add_option("--width", a->depth.width, "Of the pictures, pixels")
+  sub->add_option("--width", a->depth.width, "With --alarms: of the pictures, pixels")
       ->check(CLI::Range(8, 1024))
       ->capture_default_str();
-  sub->add_option("--height", a->depth.height, "Likewise")->check(CLI::Range(8, 1024))->capture_default_str();
-  sub->add_option("--frames", a->depth.frames, "Of each of the 64 batches")
+  sub->add_option("--height", a->depth.height, "With --alarms: likewise")
+      ->check(CLI::Range(8, 1024))
+      ->capture_default_str();
+  sub->add_option("--frames", a->depth.frames, "With --alarms: of each of the 64 batches")
       ->check(CLI::Range(1u, 1u << 20))
       ->capture_default_str();
   sub->add_option("--seed", a->seed, "Of all random numbers")->capture_default_str();
-  commands.emplace_back(sub, [a] {
-    const Scene scene = with_effects(load_to_trace(a->scene));
-    return a->alarms > 0 ? measure_alarms(*a, scene) : seed_faults(*a, scene);
-  });
+  commands.emplace_back(
+      sub, [a] { return a->alarms > 0 ? measure_alarms(*a, with_effects(load_to_trace(a->scene))) : seed_faults(*a); });
 }
 
 }  // namespace plumbline

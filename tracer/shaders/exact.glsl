@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: MIT
 // Arithmetic whose rounding errors are known or zero. Compilers may take real-number algebra for float algebra and turn
-// (a + b) - a into b; a sum that passes through `opaque` can't be seen through. Denormals may be flushed to zero by any
-// operation.
+// (a + b) - a into b; a sum that passes through `opaque` can't be seen through. That is not enough where a and b are
+// products: a common factor is taken out of all of it (Mesa 22.3 and 25.0), so the terms are PRECISE too. Where there is no
+// such word, in GLSL ES, `opaque` is all. Denormals may be flushed to zero by any operation.
 
 float opaque(float x) { return x * pass_factor.x; }
 vec3 opaque(vec3 x) { return x * pass_factor.x; }
 
-// a + b = x + y exactly (Knuth), per component.
+// a + b - sum exactly, where sum = fl(a + b) (Knuth), per component.
 vec3 sum_error(vec3 a, vec3 b, vec3 sum) {
-  vec3 z = opaque(sum) - a;
-  return (a - opaque(sum - z)) + (b - z);
+  PRECISE vec3 z = opaque(sum) - a;
+  PRECISE vec3 error = (a - opaque(sum - z)) + (b - z);
+  return error;
 }
 
 // The upper 12 of a float's 24 significant bits: products of two such halves are exact.
@@ -19,27 +21,30 @@ vec3 upper_half(vec3 x) { return intBitsToFloat(floatBitsToInt(x) & ivec3(int(0x
 // a * b - product exactly, where product = fl(a * b) (Dekker).
 float product_error(float a, float b, float product) {
   float ah = upper_half(a), bh = upper_half(b);
-  float al = a - ah, bl = b - bh;
-  return (((ah * bh - product) + ah * bl) + al * bh) + al * bl;
+  PRECISE float al = a - ah, bl = b - bh;
+  PRECISE float error = (((ah * bh - product) + ah * bl) + al * bh) + al * bl;
+  return error;
 }
 vec3 product_error(vec3 a, vec3 b, vec3 product) {
   vec3 ah = upper_half(a), bh = upper_half(b);
-  vec3 al = a - ah, bl = b - bh;
-  return (((ah * bh - product) + ah * bl) + al * bh) + al * bl;
+  PRECISE vec3 al = a - ah, bl = b - bh;
+  PRECISE vec3 error = (((ah * bh - product) + ah * bl) + al * bh) + al * bl;
+  return error;
 }
 
 // a * b - c * d with a relative error of a few units in the last place, its sign and its zero exact (short of
 // underflow).
 float difference_of_products(float a, float b, float c, float d) {
-  float p = a * b, q = c * d;
+  PRECISE float p = a * b, q = c * d;
   float pe = product_error(a, b, p), qe = product_error(c, d, q);
-  float high = opaque(p - q);
-  float high_z = opaque(high - p);
-  float high_error = (p - opaque(high - high_z)) - (q + high_z);
-  float low = opaque(pe - qe);
-  float low_z = opaque(low - pe);
-  float low_error = (pe - opaque(low - low_z)) - (qe + low_z);
-  return opaque(high + (high_error + low)) + low_error;
+  PRECISE float high = opaque(p - q);
+  PRECISE float high_z = opaque(high - p);
+  PRECISE float high_error = (p - opaque(high - high_z)) - (q + high_z);
+  PRECISE float low = opaque(pe - qe);
+  PRECISE float low_z = opaque(low - pe);
+  PRECISE float low_error = (pe - opaque(low - low_z)) - (qe + low_z);
+  PRECISE float result = opaque(high + (high_error + low)) + low_error;
+  return result;
 }
 
 // 2^e, e in [-126, 127].

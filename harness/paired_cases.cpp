@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The cases `drt.paired.*`: pictures in which every sample is followed by the reference with the tracer's own numbers.
+#include <algorithm>
+#include <cmath>
+
+#include "harness/catalogue.h"
+#include "harness/hit_cases.h"
+#include "harness/paired_picture.h"
+#include "reports/picture.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kWidth = 40, kHeight = 30;
+constexpr std::size_t kMostRows = 12;
+
+double quantile(std::vector<double>& values, double share) {
+  if (values.empty()) return 0.0;
+  const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + at, values.end());
+  return values[static_cast<std::size_t>(at)];
+}
+
+const char* name_of(SampleVerdict verdict) {
+  return verdict == SampleVerdict::agree ? "agrees" : verdict == SampleVerdict::apart ? "stands apart" : "differs";
+}
+
+void record_figures(PairedTally& tally, CaseRecord& record) {
+  const auto note = [&](const std::string& name, const char* unit, double value) {
+    record.figures.push_back({name, unit, value});
+  };
+  const double samples = std::max(1.0, static_cast<double>(tally.samples));
+  note("samples compared", "samples", static_cast<double>(tally.samples));
+  note("samples that stand apart", "%", 100.0 * static_cast<double>(tally.apart) / samples);
+  note("samples that differ", "samples", static_cast<double>(tally.differ));
+  note("samples whose colour uses more than 10 % of its bound", "%",
+       100.0 * static_cast<double>(tally.above_tenth) / samples);
+  for (std::size_t step = 0; step < kPairedSteps; ++step)
+    if (tally.largest[step] > 0.0)
+      note("largest error, " + std::string(name_of(static_cast<PairedStep>(step))), "bounds", tally.largest[step]);
+  note("shadow rays", "rays", static_cast<double>(tally.shadow_rays));
+  for (const auto& [share, name] : {std::pair{0.5, "50 %"}, std::pair{0.9, "90 %"}, std::pair{0.99, "99 %"}})
+    note("whole samples differ from the reference's own by, " + std::string(name), "of 1",
+         quantile(tally.end_to_end, share));
+}
+
+void record_table(const PairedTally& tally, CaseRecord& record) {
+  if (tally.kept.empty()) return;
+  TableRecord table;
+  table.title = "Samples that differ or stand apart";
+  table.columns = {"pixel", "frame", "verdict", "first event at", "ray", "what", "replay"};
+  for (std::size_t i = 0; i < std::min(kMostRows, tally.kept.size()); ++i) {
+    const PairedSample& s = tally.kept[i];
+    table.rows.push_back({std::to_string(s.x) + "," + std::to_string(s.y), std::to_string(s.frame), name_of(s.verdict),
+                          name_of(s.step), std::to_string(s.ray), s.event,
+                          s.replay.empty() ? record.replay : s.replay});
+  }
+  record.tables.push_back(std::move(table));
+}
+
+void record_pictures(CaseContext& context, const Case& self, const PairedTally& tally, CaseRecord& record) {
+  const auto add = [&](const Picture& picture, const char* stem, const char* title, const char* caption) {
+    record.pictures.push_back(save_picture(picture, context.out, self.name + "." + stem, title, caption));
+  };
+  add(paint_values(tally.error_in_bounds, kWidth, kHeight, "bounds", {0.0, 1.0}), "error", "Error of the colour",
+      "Difference between tracer and reference in units of what rounding may do, the largest of the pixel's samples.");
+  const std::vector<std::string> names{"agree", "apart", "differ"};
+  add(paint_verdicts(tally.verdict, names, {}, kWidth, kHeight, 0), "verdicts", "Samples",
+      "Pixels with a sample that differs, or that hangs on a tie, a grazing ray or a choice that 32 bits do not "
+      "settle.");
+}
+
+void run_paired(CaseContext& context, const Case& self, CaseRecord& record, PairedEffects effects) {
+  // One frame of each model at least; where things move each has a time of its own.
+  const auto samples = static_cast<std::uint64_t>(kWidth) * kHeight;
+  PairedSettings settings;
+  settings.width = kWidth, settings.height = kHeight;
+  settings.frames = static_cast<std::uint32_t>(std::max<std::uint64_t>(1, self.rays / (2 * samples)));
+  settings.seed = case_seed(context.seed, self.name);
+  PairedTally tally;
+  for (const Effects::Model model : {Effects::Model::paper, Effects::Model::physical}) {
+    const Scene scene = with_effects(context.session.stage(self.spec), effects, model);
+    compare_picture(context.session, self.spec, scene, settings, tally);
+    context.progress(model == Effects::Model::paper ? 0.5 : 1.0);
+  }
+  record.rays = tally.rays;
+  for (const Verdict v : kVerdicts)
+    if (const std::uint64_t count = tally.verdicts[static_cast<std::size_t>(v)]; count > 0)
+      record.verdicts[std::string(verdict_name(v))] = count;
+  record_figures(tally, record);
+  record_table(tally, record);
+  record_pictures(context, self, tally, record);
+  if (tally.differ == 0) {
+    record.message = std::to_string(tally.samples) + " samples, " + std::to_string(tally.apart) + " of them apart";
+    return;
+  }
+  const PairedSample& worst = tally.kept.front();
+  record.status = CaseStatus::failed;
+  record.message = std::to_string(tally.differ) + " of " + std::to_string(tally.samples) + " samples differ; pixel " +
+                   std::to_string(worst.x) + "," + std::to_string(worst.y) + ", frame " + std::to_string(worst.frame) +
+                   ", ray " + std::to_string(worst.ray) + ", " + name_of(worst.step) + ": " + worst.event;
+}
+
+std::string feature_of(PairedEffects effects) {
+  if (effects == PairedEffects::none || effects == PairedEffects::all) return "shading";
+  return name_of(effects);
+}
+
+}  // namespace
+
+Case paired_case(const ListedScene& scene, PairedEffects effects, std::uint64_t samples) {
+  Case c;
+  c.name = "drt.paired." + std::string(name_of(effects)) + "." + scene.name;
+  c.feature = feature_of(effects);
+  c.scene = scene.name;
+  c.spec = scene.spec;
+  c.paper = "7";
+  c.proves =
+      "Given the tracer's own random numbers, every step of every sample is what the reference computes, within what "
+      "rounding may do; effects: " +
+      std::string(name_of(effects)) + ", in both models.";
+  c.rays = samples;
+  c.run = [effects](CaseContext& context, const Case& self, CaseRecord& record) {
+    run_paired(context, self, record, effects);
+  };
+  return c;
+}
+
+std::vector<Case> paired_cases(const ListedScene& scene, std::uint64_t samples) {
+  std::vector<Case> cases;
+  for (const PairedEffects effects : kPairedEffects)
+    if (effects != PairedEffects::motion_blur || scene.moves) cases.push_back(paired_case(scene, effects, samples));
+  return cases;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The paired comparison finds nothing where nothing is wrong, and every fault that is put into the shaders on purpose.
+#include <catch2/catch.hpp>
+
+#include "harness/paired_picture.h"
+#include "scenes/scene.h"
+
+namespace plumbline {
+namespace {
+
+Session& session() {
+  static Session instance;
+  return instance;
+}
+
+PairedTally compared(const std::string& spec, PairedEffects effects, Effects::Model model,
+                     std::vector<ShaderPatch> patches = {}) {
+  PairedSettings settings;
+  settings.width = 20, settings.height = 15;
+  settings.patches = std::move(patches);
+  PairedTally tally;
+  compare_picture(session(), spec, with_effects(session().stage(spec), effects, model), settings, tally);
+  return tally;
+}
+
+struct Fault {
+  const char* name;
+  const char* spec;
+  PairedEffects effects;
+  PairedStep step;  ///< where it must show first
+  ShaderPatch patch;
+};
+
+const std::vector<Fault> kFaults{
+    {"highlight with the perturbed normal",
+     "glossy",
+     PairedEffects::glossy,
+     PairedStep::color,
+     {"light.frag.glsl", "float cosine = dot(s.n, unit(l - s.from.d));",
+      "float cosine = dot(unit(s.n + s.glossy * in_ball(random_block(pixel_number(), frame_number(), "
+      "uint(u_sample.y), BLOCK_NORMAL).xyz)), unit(l - s.from.d));"}},
+    {"reflected ray not mirrored above the surface",
+     "bumped_ground",
+     PairedEffects::none,
+     PairedStep::reflected,
+     {"scatter.frag.glsl", "inwards < 0.0 ? mirrored - 2.0 * inwards * s.facing : mirrored", "mirrored"}},
+    {"light radius off by 3 %",
+     "soft_shadow",
+     PairedEffects::soft_shadow,
+     PairedStep::shadow,
+     {"light.frag.glsl", "q += place.w * in_ball", "q += 1.03 * place.w * in_ball"}},
+    {"depth limit 4",
+     "sphereflake:2",
+     PairedEffects::none,
+     PairedStep::reflected,
+     {"scatter.frag.glsl", "bool reflects = s.is_hit && s.ks > 0.0;",
+      "bool reflects = s.is_hit && s.ks > 0.0 && u_sample.y < 16;"}},
+    {"shadow ray towards the light's centre",
+     "soft_shadow",
+     PairedEffects::soft_shadow,
+     PairedStep::shadow,
+     {"light.frag.glsl", "out_1 = is_asked ? vec4(q - start, 0.0)", "out_1 = is_asked ? vec4(place.xyz - start, 0.0)"}},
+    {"aperture off by 3 %",
+     "dof",
+     PairedEffects::dof,
+     PairedStep::primary,
+     {"camera.frag.glsl", "vec3 p = u_eye.w * in_lens", "vec3 p = 1.03 * u_eye.w * in_lens"}},
+    {"glossiness off by 5 %",
+     "glossy",
+     PairedEffects::glossy,
+     PairedStep::reflected,
+     {"scatter.frag.glsl", "n + s.glossy * in_ball", "n + 1.05 * s.glossy * in_ball"}},
+    {"half a pixel off",
+     "glossy",
+     PairedEffects::aa,
+     PairedStep::primary,
+     {"camera.frag.glsl", "- 0.5 + used.xy", "+ used.xy"}},
+    {"normal left as it is where the ray comes from inside",
+     "figure_1",
+     PairedEffects::none,
+     PairedStep::refracted,
+     {"scatter.frag.glsl", "float eta = dot(d, s.outside) > 0.0 ? s.index : 1.0 / s.index;",
+      "float eta = 1.0 / s.index;"}},
+    {"diffuse term without the texture",
+     "dof",
+     PairedEffects::none,
+     PairedStep::color,
+     {"surface.glsl", "s.color *= look_up", "s.color *= 1.0 + 0.001 * look_up"}},
+};
+
+}  // namespace
+
+TEST_CASE("Every sample is what the reference computes from the same numbers", "[paired]") {
+  for (const char* spec : {"bumped_ground", "soft_shadow", "dof", "glossy", "motion", "sphereflake:2", "figure_1"})
+    for (const Effects::Model model : {Effects::Model::paper, Effects::Model::physical}) {
+      const PairedTally tally = compared(spec, PairedEffects::all, model);
+      INFO(spec << (tally.kept.empty() ? "" : ": " + tally.kept.front().event));
+      CHECK(tally.samples == 300);
+      CHECK(tally.differ == 0);
+      CHECK(tally.apart <= 6);  // 2 %
+      CHECK(tally.rays > 300);
+    }
+}
+
+TEST_CASE("Faults put into the shaders are found, each at its own step", "[paired]") {
+  for (const Fault& fault : kFaults) {
+    const PairedTally tally = compared(fault.spec, fault.effects, Effects::Model::paper, {fault.patch});
+    INFO(fault.name << (tally.kept.empty() ? "" : ": " + tally.kept.front().event));
+    REQUIRE(tally.differ > 0);
+    CHECK(tally.kept.front().verdict == SampleVerdict::differ);
+    CHECK(std::string(name_of(tally.kept.front().step)) == name_of(fault.step));
+  }
+}
+
+}  // namespace plumbline
