@@ -35,6 +35,10 @@ struct RunOptions {
 /// meets another run.
 RunRecord run_cases(const std::vector<Case>& cases, const RunOptions& options);
 
+/// The end of a run: its place in the history (options.history), its report in options.out, the summary on the
+/// terminal.
+void finish_run(RunRecord& run, const RunOptions& options);
+
 /// 0 where everything passed, 1 where a case failed, ended in an error or was left out.
 int exit_status(const RunRecord& run);
 
