@@ -170,6 +170,7 @@ RunRecord run_cases(const std::vector<Case>& all, const RunOptions& options) {
     };
     at(0.0);
     CaseRecord record = runner.run(i, options.seed, at);
+    judge_by_expectation(options.expected, driver.renderer + ", " + driver.version, run.started.substr(0, 10), record);
     tell(record);
     journal.append(record);
     run.cases.push_back(std::move(record));

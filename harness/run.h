@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "harness/catalogue.h"
+#include "harness/expected_failures.h"
 #include "reports/record.h"
 
 namespace plumbline {
@@ -26,6 +27,7 @@ struct RunOptions {
   bool isolate = false;
   double silent_seconds = 600.0;           ///< an isolated case that gives no sign of life for so long hangs
   std::filesystem::path history;           ///< database of earlier runs; empty: none
+  std::vector<ExpectedFailure> expected;   ///< cases that are known to fail
   bool quiet = false;                      ///< no progress, no summary
   std::string replay = "./plumbline run";  ///< what a case's name is put behind to repeat it
 };
