@@ -15,6 +15,7 @@
 #include "harness/catalogue.h"
 #include "harness/commands.h"
 #include "harness/faults.h"
+#include "harness/help.h"
 #include "harness/hit_cases.h"
 #include "harness/progress.h"
 #include "harness/run.h"
@@ -96,7 +97,7 @@ std::string joined(int argc, char** argv) {
 struct Arguments {
   std::vector<std::string> patterns;
   std::string scene, shard, budget, json, history;
-  std::string out = "out";
+  std::string out = "out", expected = expected_failures_file().string();
   std::uint64_t seed = 1, rays = 0;
   bool resume = false, quick = false, paper = false;
   int rounds = 7;
@@ -127,10 +128,22 @@ CatalogueOptions whole_catalogue(std::uint64_t rays, std::uint64_t total) {
   return options;
 }
 
-int list_cases(const Arguments& a) {
-  for (const Case& c : select_cases(make_catalogue(whole_catalogue(a.rays, 0)), a.patterns))
-    std::printf("%-44s %-10s %s\n", c.name.c_str(), c.feature.c_str(), c.proves.c_str());
-  return 0;
+/// What `run FEATURE...` asks: all scenes that come with Plumbline, at a depth that ends within a minute for any one
+/// feature. Scenes of the data folder and depth are the nightly's.
+CatalogueOptions conformance_catalogue() {
+  std::vector<ListedScene> scenes = own_scenes();
+  for (ListedScene& s : placed_scenes()) scenes.push_back(std::move(s));
+  CatalogueOptions options = catalogue_options(std::move(scenes), 0, 0);
+  options.whole = true;
+  options.transform_rays = 1 << 12;
+  options.moved_rays = 1 << 8;
+  return options;
+}
+
+bool names_features(const std::vector<std::string>& patterns) {
+  return !patterns.empty() && std::all_of(patterns.begin(), patterns.end(), [](const std::string& pattern) {
+    return std::any_of(features().begin(), features().end(), [&](const Feature& f) { return f.name == pattern; });
+  });
 }
 
 int run(const Arguments& a, RunOptions options, const CatalogueOptions& catalogue) {
@@ -140,6 +153,7 @@ int run(const Arguments& a, RunOptions options, const CatalogueOptions& catalogu
   options.out = a.out;
   options.resume = a.resume;
   options.isolate = true;
+  options.expected = read_expected_failures(a.expected);
   if (a.history != "none") options.history = a.history;
   return exit_status(run_cases(select_cases(make_catalogue(catalogue), a.patterns), options));
 }
@@ -227,6 +241,7 @@ int dispatch(int argc, char** argv) {
     sub->add_flag("--resume", a.resume, "Go on with the run in --out: cases that ended there are not run again");
     sub->add_option("--shard", a.shard, "I/N: run the I-th of N parts of the catalogue");
     sub->add_option("--history", a.history, "Database of earlier runs, or `none`");
+    sub->add_option("--expected", a.expected, "List of expected failures (JSON); that of Plumbline if not given");
   };
 
   CLI::App* nightly = app.add_subcommand("nightly", "Run everything, over 20 million rays, and write the report");
@@ -235,9 +250,6 @@ int dispatch(int argc, char** argv) {
   auto* nightly_budget = nightly->add_option(
       "--budget", a.budget,
       "Time for all, such as 20m: every case once, then more rays where they tell most; 15m if not given, or `none`");
-
-  CLI::App* list = app.add_subcommand("list", "List cases and what each proves");
-  list->add_option("PATTERN", a.patterns, "Names, prefixes or patterns with * and ?");
 
   CLI::App* run_sub = app.add_subcommand("run", "Run cases, such as `run hits.camera` or `run '*.creature'`");
   run_sub->add_option("PATTERN", a.patterns, "Names, prefixes or patterns with * and ?; all cases if none");
@@ -264,6 +276,8 @@ int dispatch(int argc, char** argv) {
   add_render_command(app, commands);
   add_statistics_command(app, commands);
   add_history_commands(app, commands);
+  add_help_commands(app, commands);
+  add_list_command(app, commands, [] { return whole_catalogue(0, 0); });
 
   CLI::App* bench_sub = app.add_subcommand("bench", "Measure speed against Embree, bakes and variants");
   bench_sub->add_option("--json", a.json, "Write the metrics to this file too");
@@ -277,6 +291,7 @@ int dispatch(int argc, char** argv) {
       app.add_subcommand("faults", "Break the tracer on purpose, one fault at a time, and name what catches it"),
       faults);
 
+  add_examples(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -288,8 +303,12 @@ int dispatch(int argc, char** argv) {
         std::any_of(subs.begin(), subs.end(), [&](const CLI::App* sub) { return sub->get_name() == word; });
     if (word.empty())
       throw InputError("say what to do: nightly, run, list, check, explain, ...; see `plumbline --help`");
-    if (!known && word.front() != '-') throw InputError("there is no command '" + word + "'; see `plumbline --help`");
-    throw InputError(std::string(error.what()) + "; see `plumbline " + (known ? word + " " : "") + "--help`");
+    const std::string instead = meant(app, argc, argv);
+    const std::string hint = instead.empty() ? "" : "did you mean " + instead + "? ";
+    if (!known && word.front() != '-')
+      throw InputError("there is no command '" + word + "'; " + hint + "see `plumbline --help`");
+    throw InputError(std::string(error.what()) + "; " + hint + "see `plumbline " + (known ? word + " " : "") +
+                     "--help`");
   }
   RunOptions options;
   options.command = joined(argc, argv);
@@ -300,10 +319,10 @@ int dispatch(int argc, char** argv) {
     if (a.budget == "none") a.budget.clear();
     return run(a, options, whole_catalogue(a.rays, kNightlyRays));
   }
-  if (*list) return list_cases(a);
   if (*run_sub) {
     if (run_sub->get_option("--history")->count() == 0) a.history = "none";
-    return run(a, options, whole_catalogue(a.rays, 0));
+    return run(a, options,
+               a.rays == 0 && names_features(a.patterns) ? conformance_catalogue() : whole_catalogue(a.rays, 0));
   }
   if (*check_sub) return check(a, options);
   for (const auto& [sub, act] : commands)

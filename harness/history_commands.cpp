@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The commands that look back: `history`, and `report`, which writes a run's pages again or tells two runs apart.
+// The commands that take up finished runs: `history`, `merge`, and `report`, which writes a run's pages again or tells
+// two runs apart.
 #include <cstdio>
 #include <memory>
 
 #include "harness/commands.h"
 #include "harness/nights.h"
+#include "harness/run.h"
 #include "reports/changes_text.h"
 #include "reports/format.h"
 #include "reports/html.h"
@@ -67,6 +69,22 @@ int report(const ReportArguments& a) {
   return changes.newly_failing.empty() ? 0 : 1;
 }
 
+struct MergeArguments {
+  std::vector<std::string> folders;
+  RunOptions options;
+  std::string history = "none";
+};
+
+int merge(MergeArguments a) {
+  if (a.history != "none") {
+    History{a.history};  // before anything is written
+    a.options.history = a.history;
+  }
+  RunRecord run = merge_reports({a.folders.begin(), a.folders.end()}, a.options.out);
+  finish_run(run, a.options);
+  return exit_status(run);
+}
+
 }  // namespace
 
 void add_history_commands(CLI::App& app, Commands& commands) {
@@ -83,6 +101,13 @@ void add_history_commands(CLI::App& app, Commands& commands) {
   sub->add_option("--diff", r->diff, "BEFORE AFTER: folders of two runs; tells what changed, 1 if a case fails newly")
       ->expected(2);
   commands.emplace_back(sub, [r] { return report(*r); });
+
+  const auto m = std::make_shared<MergeArguments>();
+  CLI::App* merge_sub = app.add_subcommand("merge", "Make one run and one report of the parts that --shard cut");
+  merge_sub->add_option("DIR", m->folders, "Folders of all parts")->required();
+  merge_sub->add_option("--out", m->options.out, "Folder for the report")->capture_default_str();
+  merge_sub->add_option("--history", m->history, "Database of earlier runs, or `none`")->capture_default_str();
+  commands.emplace_back(merge_sub, [m] { return merge(*m); });
 }
 
 }  // namespace plumbline

@@ -23,6 +23,7 @@
 #include "reports/history.h"
 #include "reports/html.h"
 #include "reports/journal.h"
+#include "reports/sha256.h"
 #include "reports/text_summary.h"
 #include "scenes/error.h"
 
@@ -63,6 +64,13 @@ std::vector<DriverFinding> findings_of(const RunRecord& run) {
     findings.push_back({c.name.substr(c.name.find('.') + 1), c.figures.front().value != 0.0, c.message});
   }
   return findings;
+}
+
+/// Tells what a run asks from what another one does: names, rays and scenes of its cases.
+std::string digest_of(const std::vector<Case>& cases) {
+  std::string text;
+  for (const Case& c : cases) text += c.name + " " + std::to_string(c.rays) + "\n";
+  return sha256(text);
 }
 
 /// The statistics of all nights together, as a case of its own: a bias that only they show fails the run.
@@ -110,6 +118,7 @@ RunRecord run_cases(const std::vector<Case>& all, const RunOptions& options) {
   CaseRunner runner(cases, options);
   RunRecord run = begin_record(options);
   run.planned_cases = cases.size();
+  if (options.shards > 1) run.shard = {options.shard, options.shards, all.size(), digest_of(all)};
   const CaseRunner::DriverName driver = runner.driver();
   run.driver_renderer = driver.renderer;
   run.driver_version = driver.version;
@@ -161,6 +170,7 @@ RunRecord run_cases(const std::vector<Case>& all, const RunOptions& options) {
     };
     at(0.0);
     CaseRecord record = runner.run(i, options.seed, at);
+    judge_by_expectation(options.expected, driver.renderer + ", " + driver.version, run.started.substr(0, 10), record);
     tell(record);
     journal.append(record);
     run.cases.push_back(std::move(record));
@@ -192,6 +202,11 @@ RunRecord run_cases(const std::vector<Case>& all, const RunOptions& options) {
   run.findings = findings_of(run);
   run.seconds = spent();
 
+  finish_run(run, options);
+  return run;
+}
+
+void finish_run(RunRecord& run, const RunOptions& options) {
   ReportOptions report;
   if (!options.history.empty()) {
     try {
@@ -211,7 +226,6 @@ RunRecord run_cases(const std::vector<Case>& all, const RunOptions& options) {
     std::fputs(text_summary(run, {isatty(STDOUT_FILENO) != 0, 20}).c_str(), stdout);
     std::printf("Report: %s\n", (options.out / "index.html").string().c_str());
   }
-  return run;
 }
 
 int exit_status(const RunRecord& run) { return summarize(run).ok() ? 0 : 1; }

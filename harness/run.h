@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "harness/catalogue.h"
+#include "harness/expected_failures.h"
 #include "reports/record.h"
 
 namespace plumbline {
@@ -26,6 +27,7 @@ struct RunOptions {
   bool isolate = false;
   double silent_seconds = 600.0;           ///< an isolated case that gives no sign of life for so long hangs
   std::filesystem::path history;           ///< database of earlier runs; empty: none
+  std::vector<ExpectedFailure> expected;   ///< cases that are known to fail
   bool quiet = false;                      ///< no progress, no summary
   std::string replay = "./plumbline run";  ///< what a case's name is put behind to repeat it
 };
@@ -34,6 +36,10 @@ struct RunOptions {
 /// options.out. A case that throws is recorded as an error and the others run on. Throws InputError where --resume
 /// meets another run.
 RunRecord run_cases(const std::vector<Case>& cases, const RunOptions& options);
+
+/// The end of a run: its place in the history (options.history), its report in options.out, the summary on the
+/// terminal.
+void finish_run(RunRecord& run, const RunOptions& options);
 
 /// 0 where everything passed, 1 where a case failed, ended in an error or was left out.
 int exit_status(const RunRecord& run);
