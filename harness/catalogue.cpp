@@ -98,12 +98,13 @@ std::vector<Case> make_catalogue(const CatalogueOptions& options) {
     cases.push_back(bake_file_case(scene));
     cases.push_back(verify_case(scene));
     // These put other scenes on the stage, so they come last.
+    add(paired_cases(scene, options.paired_samples, true));
     if (scene.moves) cases.push_back(frames_case(scene, options.moved_rays));
     if (scene.has_nodes) cases.push_back(updates_case(scene, options.moved_rays));
   }
   for (const ListedScene& scene : options.pictures) {
     cases.push_back(captured_case(scene, options.captured_rays));
-    add(paired_cases(scene, options.paired_samples));
+    add(paired_cases(scene, options.paired_samples, false));
   }
   if (options.whole) {
     cases.push_back(broken_trees_case());

@@ -80,7 +80,8 @@ std::string axes_of(const Case& c);
 std::vector<Case> driver_cases();
 std::vector<Case> hit_cases(const ListedScene& scene, std::uint64_t rays);
 Case picture_case(const ListedScene& scene);
-std::vector<Case> paired_cases(const ListedScene& scene, std::uint64_t samples);
+/// With each effect alone, without any, and with all of them; `few`: the last two.
+std::vector<Case> paired_cases(const ListedScene& scene, std::uint64_t samples, bool few);
 Case captured_case(const ListedScene& scene, std::uint64_t rays);
 Case brute_force_case(const ListedScene& scene, std::uint64_t tests);
 Case variants_case(const ListedScene& scene, std::uint64_t rays);

@@ -104,6 +104,7 @@ struct Arguments {
 };
 
 constexpr std::uint64_t kNightlyCaptured = 1 << 16;  ///< rays of a picture of each scene
+constexpr std::uint64_t kNightlySamples = 24'000;    ///< of each scene and effect, followed step by step
 
 /// The catalogue over `scenes` with `rays` per family and scene, or as many as make `total` in all on scenes without
 /// transforms.
@@ -124,7 +125,7 @@ CatalogueOptions whole_catalogue(std::uint64_t rays, std::uint64_t total) {
   if (rays == 0 && total > 0) options.profile_samples = kNightlySamples;
   options.pictures = effect_scenes();
   options.whole = true;
-  if (rays == 0 && total > 0) options.captured_rays = kNightlyCaptured;
+  if (rays == 0 && total > 0) options.captured_rays = kNightlyCaptured, options.paired_samples = kNightlySamples;
   return options;
 }
 

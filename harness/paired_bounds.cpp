@@ -3,10 +3,10 @@
 // surface, a surface shadow rays, light and further rays. The taps tell every ray and every hit, so each link is
 // checked by itself: what the tracer had in hand before the step, as exact numbers, goes through the formulas of
 // SEMANTICS in double, and what the tracer made of it may differ by the rounding of this one step. Nothing grows from
-// bounce to bounce, and no condition number of a whole path is needed: where all links hold the sample is the right
-// one for rays that differ from the exact ones by rounding, and where one does not it is known which. Errors are
-// lengths of vectors; each operation on a float is off by u of its result, products by vectors of length 1 by at most
-// sqrt(3) u, and we count operations generously: a fault on purpose is 10^3 of these or more (paired_test.cpp).
+// bounce to bounce, and no condition number of a whole path is needed: where all links hold the sample is the right one
+// for rays that differ from the exact ones by rounding, and where one does not it is known which. Errors are lengths of
+// vectors; each operation on a float is off by u of its result, products by vectors of length 1 by at most sqrt(3) u,
+// and we count operations generously: a fault on purpose is 10^3 of these or more (paired_test.cpp).
 //
 // unit(v) (unit.glsl): scaling 2u, three products and two sums 3u, halved by the root, root, quotient and product 3u:
 // at most kUnit = 8u with an error e of v before it: e / |v| + 8u.
@@ -22,17 +22,16 @@
 // triangle with normals n_i: w_0 = 1 - w_1 - w_2 has 2u, the stored n_i 2u, products and sums 3u: 8u / |sum| + kUnit.
 // Into and out of an instance's space: 6u of |L^-T| |m| over |L^-T m|. (u, v): 6u of the largest coordinate, then w
 // (that + 2u) + u texels. A bilinear value changes by no more for a texel's way than the steepest pair of neighbours
-// within reach, its slopes by twice that, times half the texture's size; 6u of the values beside it. The bump's
-// gradient G = (F_u Pv x m + F_v m x Pu) / A, with kappa = |Pu| |Pv| / |A|: (dF_u |Pv| + dF_v |Pu|) / |A| + (2 kappa dm
-// + 16u (kappa + kappa_D)) (|F_u| |Pv| + |F_v| |Pu|) / |A|, kappa_D being what D and the differences of coordinates
-// cancel. n = unit(m
-// - G).
+// within reach, its slopes by the largest change of a central difference from texel to texel, times half the texture's
+// size; 6u of the values beside it. The bump's gradient G = (F_u Pv x m + F_v m x Pu) / A, with kappa = |Pu| |Pv| /
+// |A|: (dF_u |Pv| + dF_v |Pu|) / |A| + (2 kappa dm + 16u (kappa + kappa_D)) (|F_u| |Pv| + |F_v| |Pu|) / |A|, kappa_D
+// being what D and the differences of coordinates cancel. n = unit(m - G).
 //
 // delta needs three digits (SEMANTICS 6.5): 2^-10 of it; and what N, by which it is measured, may differ.
 //
 // Ground. t = (c - o).N / d.N has 4u |c - o|.|N| / |d.N| + 4u |t| |d|.|N| / |d.N| + 2u |t|, bars meaning absolute
-// values of components: nothing where the ray starts in a plane along the axes. The place has that, and 6u (|o - c| +
-// t) twice, for moving it into the plane.
+// values of components: nothing where the ray starts in a plane along the axes. The place has that, 4u (|o - c| + t)
+// for itself, and 6u of its way from c for moving it into the plane.
 //
 // Light. q = place + R p: sqrt(3) u |q| + R (kBody + 2u). l = unit(q - P): dl = (dq + dP + 2u |q - P|) / |q - P| +
 // kUnit. n.l: dn + dl + 4u. h = unit(l - d): dh = (dl + 6u) / |l - d| + kUnit, since d is off unit length by 3u. x =
@@ -116,9 +115,10 @@ LocalTriangle local_triangle(const Scene& scene, std::uint32_t primitive, const 
 }
 
 /// Largest difference of neighbouring texels within reach of a bilinear lookup and of its central differences, and
-/// their largest value, by channel.
+/// their largest value, by channel; and by how much a central difference changes from one texel to the next.
 struct Steepness {
   glm::dvec3 difference{0.0}, value{0.0};
+  double curvature = 0.0;
 };
 Steepness steepness(const Texture& texture, const glm::dvec2& uv) {
   const auto wrapped = [](int i, int size) { return ((i % size) + size) % size; };
@@ -137,6 +137,12 @@ Steepness steepness(const Texture& texture, const glm::dvec2& uv) {
       s.difference = glm::max(s.difference, glm::abs(texel(x + 1, y) - here));
       s.difference = glm::max(s.difference, glm::abs(texel(x, y + 1) - here));
     }
+  const auto slope = [&](int x, int y, int dx, int dy) { return texel(x + dx, y + dy).x - texel(x - dx, y - dy).x; };
+  for (int y = j - 1; y <= j + 2; ++y)
+    for (int x = i - 1; x <= i + 2; ++x)
+      for (const auto& [dx, dy] : {std::pair{1, 0}, std::pair{0, 1}})
+        s.curvature = std::max({s.curvature, std::fabs(slope(x + 1, y, dx, dy) - slope(x, y, dx, dy)),
+                                std::fabs(slope(x, y + 1, dx, dy) - slope(x, y, dx, dy))});
   return s;
 }
 
@@ -166,8 +172,8 @@ double bumped_error(const Texture& heights, double scale, const glm::dvec2& uv, 
   const double lu = glm::length(t.along_u), lv = glm::length(t.along_v), kappa = lu * lv / area;
   // A slope is at most one texel's difference to each side, hence twice the steepest one, halved.
   const glm::dvec2 slope = std::fabs(scale) * size * s.difference.x,
-                   slope_error =
-                       slope * (2.0 * (off.x + off.y)) + 0.5 * std::fabs(scale) * size * (8.0 * u * s.value.x);
+                   slope_error = 0.5 * std::fabs(scale) * size * s.curvature * (off.x + off.y) +
+                                 0.5 * std::fabs(scale) * size * (8.0 * u * s.value.x);
   const double gradient = (slope.x * lv + slope.y * lu) / area,
                gradient_error = (slope_error.x * lv + slope_error.y * lu) / area +
                                 gradient * (2.0 * kappa * m_error + 16.0 * u * (kappa + t.cancelled));
@@ -256,7 +262,7 @@ SeenSurface see_ground(const PreparedScene& prepared, const Ray& ray, const Refe
   seen.surface = surface_at(scene, prepared.views, hit, direction);
   const SeenGround met = meet_ground(scene, ray);
   const double way = glm::length(glm::dvec3(ray.origin) - center), from_center = glm::length(hit.position - center);
-  seen.position = met.t + 12.0 * u * (way + hit.t) + 6.0 * u * from_center + 2.0 * u * glm::length(hit.position);
+  seen.position = met.t + 4.0 * u * (way + hit.t) + 6.0 * u * from_center + 2.0 * u * glm::length(hit.position);
   seen.offset = kDelta * seen.surface.offset;
   const auto size = static_cast<double>(ground.texture_size);
   const Material& material = *seen.surface.material;

@@ -106,8 +106,6 @@ std::string feature_of(PairedEffects effects) {
   return name_of(effects);
 }
 
-}  // namespace
-
 Case paired_case(const ListedScene& scene, PairedEffects effects, std::uint64_t samples) {
   Case c;
   c.name = "drt.paired." + std::string(name_of(effects)) + "." + scene.name;
@@ -126,10 +124,15 @@ Case paired_case(const ListedScene& scene, PairedEffects effects, std::uint64_t 
   return c;
 }
 
-std::vector<Case> paired_cases(const ListedScene& scene, std::uint64_t samples) {
+}  // namespace
+
+std::vector<Case> paired_cases(const ListedScene& scene, std::uint64_t samples, bool few) {
   std::vector<Case> cases;
-  for (const PairedEffects effects : kPairedEffects)
-    if (effects != PairedEffects::motion_blur || scene.moves) cases.push_back(paired_case(scene, effects, samples));
+  for (const PairedEffects effects : kPairedEffects) {
+    if (few && effects != PairedEffects::none && effects != PairedEffects::all) continue;
+    if (effects == PairedEffects::motion_blur && !scene.moves) continue;
+    cases.push_back(paired_case(scene, effects, samples));
+  }
   return cases;
 }
 
