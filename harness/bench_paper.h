@@ -19,6 +19,9 @@ struct PaperFigure {
 /// Measures all rows in turn, `rounds` times over, so that a machine whose speed drifts does not tell a wrong ratio.
 std::vector<PaperFigure> run_paper_bench(int rounds, const std::function<void(double, const std::string&)>& progress);
 
+/// The same for whole pictures: Figure 6, Figure 1, and what the sources of random numbers cost.
+std::vector<PaperFigure> run_render_bench(int rounds, const std::function<void(double, const std::string&)>& progress);
+
 /// A table for people, one figure a line.
 std::string paper_table(const std::vector<PaperFigure>& figures);
 

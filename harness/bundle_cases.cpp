@@ -25,6 +25,7 @@ std::vector<Case> bundle_cases(const ListedScene& scene, std::uint64_t per_famil
   for (const int size : {2, 3, 4}) {
     Case c;
     c.feature = "bundles";
+    c.variant = "bundle=" + std::to_string(size);
     c.name = "bundles." + std::to_string(size) + "." + scene.name;
     c.scene = scene.name;
     c.spec = scene.spec;

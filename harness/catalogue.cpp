@@ -2,7 +2,13 @@
 #include "harness/catalogue.h"
 
 #include <algorithm>
+#include <set>
 
+#include "harness/closed_form_cases.h"
+#include "harness/densities.h"
+#include "harness/drt_cases.h"
+#include "harness/help.h"
+#include "harness/tracer_engine.h"
 #include "scenes/error.h"
 #include "scenes/random.h"
 
@@ -27,13 +33,53 @@ bool matches(std::string_view pattern, std::string_view name) {
   return p == pattern.size();
 }
 
+/// Names to type instead of a pattern that matches nothing: the features and the prefixes of names that are nearest.
+std::string alike(const std::vector<Case>& cases, const std::string& pattern) {
+  std::set<std::string> words;
+  for (const Case& c : cases) {
+    words.insert(c.feature);
+    for (std::size_t dot = c.name.find('.'); dot != std::string::npos; dot = c.name.find('.', dot + 1))
+      words.insert(c.name.substr(0, dot));
+    words.insert(c.name);
+  }
+  if (const std::string near = words_alike(pattern, words); !near.empty()) return near;
+  for (const Case& c : cases)
+    if (c.scene == pattern || c.family == pattern)
+      return c.scene == pattern ? "'*." + pattern + "'" : "'*." + pattern + ".*'";
+  return "";
+}
+
+}  // namespace
+
 bool selects(const std::string& pattern, const std::string& name) {
   if (pattern.find_first_of("*?") != std::string::npos) return matches(pattern, name);
   return name == pattern ||
          (name.size() > pattern.size() && name.compare(0, pattern.size(), pattern) == 0 && name[pattern.size()] == '.');
 }
 
-}  // namespace
+const std::vector<Feature>& features() {
+  static const std::vector<Feature> all = {
+      {"driver", "what the GL implementation gets wrong"},
+      {"hits", "every ray hits what exact arithmetic says"},
+      {"bake", "trees, links and bounds are sound, in every variant"},
+      {"transforms", "instances, nested, mirrored and moving"},
+      {"bundles", "rays that walk the tree together"},
+      {"drt", "all effects of distributed ray tracing at once"},
+      {"shading", "light, reflection and refraction"},
+      {"aa", "anti-aliasing"},
+      {"dof", "depth of field"},
+      {"soft_shadow", "lights with a size"},
+      {"glossy", "rough reflections"},
+      {"motion_blur", "a shutter that stays open"},
+  };
+  return all;
+}
+
+std::string axes_of(const Case& c) {
+  std::string text = c.scene.empty() ? "" : "scene=" + c.scene;
+  if (!c.family.empty()) text += (text.empty() ? "" : ", ") + ("family=" + c.family);
+  return c.variant.empty() ? text : text + "; " + c.variant;
+}
 
 std::vector<Case> make_catalogue(const CatalogueOptions& options) {
   std::vector<Case> cases = driver_cases();
@@ -64,6 +110,18 @@ std::vector<Case> make_catalogue(const CatalogueOptions& options) {
     cases.push_back(broken_trees_case());
     cases.push_back(drift_case());
     cases.push_back(bunnies_case(options.moved_rays));
+    add(closed_form_cases(picture_sources, options.profile_samples));
+    add(density_cases(reference_perturbations()));
+    for (const RandomKind random : {RandomKind::hash, RandomKind::md5, RandomKind::texture})
+      add(density_cases(tracer_perturbations(random)));
+    add(independent_cases([](CaseContext&) { return make_tracer_engine; }));
+    DrtOptions texture;
+    texture.name = "texture";
+    texture.pixels_independent = false;
+    RenderSettings with_texture;
+    with_texture.random = RandomKind::texture;
+    add(independent_cases([with_texture](CaseContext&) { return tracer_engines(with_texture); }, texture));
+    add(model_bias_cases());
   }
   return cases;
 }
@@ -74,13 +132,18 @@ std::uint64_t case_seed(std::uint64_t run_seed, const std::string& case_name) {
 
 std::vector<Case> select_cases(const std::vector<Case>& cases, const std::vector<std::string>& patterns) {
   if (patterns.empty()) return cases;
-  for (const std::string& pattern : patterns)
-    if (std::none_of(cases.begin(), cases.end(), [&](const Case& c) { return selects(pattern, c.name); }))
-      throw InputError("no case matches '" + pattern + "'; `plumbline list` names them all");
+  const auto takes = [](const std::string& pattern, const Case& c) {
+    return pattern == c.feature || selects(pattern, c.name);
+  };
+  for (const std::string& pattern : patterns) {
+    if (std::any_of(cases.begin(), cases.end(), [&](const Case& c) { return takes(pattern, c); })) continue;
+    const std::string meant = alike(cases, pattern);
+    throw InputError("no case matches '" + pattern + "'; " +
+                     (meant.empty() ? "`plumbline list` names them all" : "did you mean " + meant + "?"));
+  }
   std::vector<Case> chosen;
   std::copy_if(cases.begin(), cases.end(), std::back_inserter(chosen), [&](const Case& c) {
-    return std::any_of(patterns.begin(), patterns.end(),
-                       [&](const std::string& pattern) { return selects(pattern, c.name); });
+    return std::any_of(patterns.begin(), patterns.end(), [&](const std::string& pattern) { return takes(pattern, c); });
   });
   return chosen;
 }

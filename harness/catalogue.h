@@ -24,11 +24,11 @@ struct CaseContext {
 
 struct Case {
   std::string name;        ///< dotted and stable: "hits.aimed_edges.creature"
-  std::string feature;     ///< "hits", "driver", "layers", "variants", "bundles", "bake", "transforms", or an effect:
-                           ///< "soft_shadow"
+  std::string feature;     ///< one of features()
   std::string scene;       ///< name, or empty
   std::string spec;        ///< what loads the scene, or empty
   std::string family;      ///< of rays, or empty
+  std::string variant{};   ///< what must not change the answer: "bundle=2", "bake=all"; empty: the default
   std::string proves;      ///< one sentence
   std::string paper;       ///< section of the paper, or empty
   std::uint64_t rays = 0;  ///< that it will trace
@@ -36,17 +36,25 @@ struct Case {
       run;  ///< fills everything of the record that the case knows
 };
 
+/// Something that the tracer can do, and whose cases are its conformance test.
+struct Feature {
+  std::string name;   ///< "hits"
+  std::string means;  ///< in a few words
+};
+const std::vector<Feature>& features();
+
 struct CatalogueOptions {
-  std::vector<ListedScene> scenes;         ///< whose hits are compared
-  std::uint64_t hits_rays = 1 << 14;       ///< per family and scene
-  std::uint64_t variant_rays = 1 << 11;    ///< per family, variant and scene
-  std::uint64_t transform_rays = 1 << 14;  ///< per family, way out of a transform, and scene of instances
-  std::uint64_t moved_rays = 1 << 9;       ///< per family and frame, after updates, and per variant there
-  std::uint64_t captured_rays = 1 << 12;   ///< of a picture of each scene, the scenes of pictures too
-  std::uint64_t paired_samples = 2400;     ///< per scene and effect
-  std::uint64_t bundle_rays = 1 << 6;      ///< per family, size of bundle, way out of a transform, and scene
-  std::vector<ListedScene> pictures;       ///< scenes for renderers alone
-  bool whole = false;                      ///< the cases that have scenes of their own, too
+  std::vector<ListedScene> scenes;          ///< whose hits are compared
+  std::uint64_t hits_rays = 1 << 14;        ///< per family and scene
+  std::uint64_t variant_rays = 1 << 11;     ///< per family, variant and scene
+  std::uint64_t transform_rays = 1 << 14;   ///< per family, way out of a transform, and scene of instances
+  std::uint64_t moved_rays = 1 << 9;        ///< per family and frame, after updates, and per variant there
+  std::uint64_t captured_rays = 1 << 12;    ///< of a picture of each scene, the scenes of pictures too
+  std::uint64_t paired_samples = 2400;      ///< per scene and effect
+  std::uint64_t bundle_rays = 1 << 6;       ///< per family, size of bundle, way out of a transform, and scene
+  std::uint64_t profile_samples = 1 << 14;  ///< for each point of a profile that is known in closed form
+  std::vector<ListedScene> pictures;        ///< scenes for renderers alone
+  bool whole = false;                       ///< the cases that have scenes of their own, too
   std::uint64_t brute_force_tests =
       40'000'000;  ///< primitive tests per scene in the brute-force layer, spread over all families
 };
@@ -57,9 +65,16 @@ std::vector<Case> make_catalogue(const CatalogueOptions& options);
 /// The seed that a case's rays are made of.
 std::uint64_t case_seed(std::uint64_t run_seed, const std::string& case_name);
 
-/// Cases whose names match one of the patterns: '*' and '?' as in a shell; a pattern without them matches a name or a
-/// dotted prefix of it. No patterns: all. Throws InputError for a pattern that matches nothing.
+/// Whether a pattern selects a name: '*' and '?' as in a shell; without them it is the name or a dotted prefix of it.
+bool selects(const std::string& pattern, const std::string& name);
+
+/// Cases whose name or feature is selected by one of the patterns. No patterns: all. Throws InputError for a pattern
+/// that matches nothing, with what it may have meant.
 std::vector<Case> select_cases(const std::vector<Case>& cases, const std::vector<std::string>& patterns);
+
+/// What tells the case from others like it: "scene=creature, family=camera; bundle=2". Before the semicolon what
+/// changes the answer (permutations), behind it what must not (variants).
+std::string axes_of(const Case& c);
 
 // The makers of the catalogue's parts, one file each.
 std::vector<Case> driver_cases();

@@ -2,6 +2,7 @@
 // Names, patterns and what is read from the command line.
 #include "harness/catalogue.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <set>
 
@@ -29,7 +30,13 @@ TEST_CASE("Case names are unique, dotted, and every case says what it proves") {
     CHECK(c.name.find('.') != std::string::npos);
     CHECK(c.name.find(' ') == std::string::npos);
     CHECK(c.proves.size() > 20);
-    CHECK(c.feature == c.name.substr(0, c.name.find('.')));
+    // Cases of one effect alone are of its feature: drt.closed_form.dof.edge_far.paper of dof.
+    CHECK((c.feature == c.name.substr(0, c.name.find('.')) ||
+           (c.name.starts_with("drt.") && c.name.find("." + c.feature + ".") != std::string::npos)));
+    CHECK(std::any_of(features().begin(), features().end(), [&](const Feature& f) { return f.name == c.feature; }));
+    // What questions the driver, or the reference itself, is no matter of the paper's.
+    CHECK((c.feature == "driver" || c.name.starts_with("reference.") || !c.paper.empty()));
+    CHECK((c.scene.empty() || axes_of(c).starts_with("scene=" + c.scene)));
   }
 }
 
@@ -69,7 +76,20 @@ TEST_CASE("Patterns select by prefix and by wildcard, and one that matches nothi
             .size() == own_scenes().size());
   CHECK(select_cases(cases, {"*.creature"}).size() > 10);
   CHECK_THROWS_AS(select_cases(cases, {"hits.camer"}), InputError);
+  CHECK_THROWS_WITH(select_cases(cases, {"hits.camer"}), Catch::Contains("did you mean hits.camera"));
+  CHECK_THROWS_WITH(select_cases(cases, {"bundels"}), Catch::Contains("did you mean bundles"));
+  CHECK_THROWS_WITH(select_cases(cases, {"creature"}), Catch::Contains("did you mean '*.creature'"));
   CHECK_THROWS_AS(select_cases(cases, {"hits", "nothing.*"}), InputError);
+}
+
+TEST_CASE("A feature selects its cases, whatever they are called") {
+  const std::vector<Case> cases = catalogue();
+  for (const Feature& f : features()) {
+    const auto count = std::count_if(cases.begin(), cases.end(), [&](const Case& c) { return c.feature == f.name; });
+    if (count > 0) CHECK(select_cases(cases, {f.name}).size() >= static_cast<std::size_t>(count));
+  }
+  CHECK(select_cases(cases, {"bake"}).size() > select_cases(cases, {"bake.*"}).size());  // variants.all.* too
+  CHECK(axes_of(select_cases(cases, {"bundles.2.nested"})[0]) == "scene=nested; bundle=2");
 }
 
 TEST_CASE("A ray printed for a replay reads back to the same bits") {

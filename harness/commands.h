@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "harness/catalogue.h"
 #include "scenes/scene.h"
 #include "tracer/geometry_image.h"
 
@@ -21,6 +22,10 @@ void add_explain_command(CLI::App& app, Commands& commands);
 void add_verify_command(CLI::App& app, Commands& commands);
 void add_inspect_command(CLI::App& app, Commands& commands);
 void add_render_command(CLI::App& app, Commands& commands);
+void add_statistics_command(CLI::App& app, Commands& commands);
+void add_history_commands(CLI::App& app, Commands& commands);
+/// `all` makes what is listed.
+void add_list_command(CLI::App& app, Commands& commands, std::function<CatalogueOptions()> all);
 
 /// Adds --layout, --bounds, --links, ...: all that makes one bake another. `options` must outlive the parsing.
 void add_bake_options(CLI::App& sub, BakeOptions& options);

@@ -252,7 +252,7 @@ std::vector<Case> hit_cases(const ListedScene& scene, std::uint64_t rays) {
 Case embree_spheres_case(const ListedScene& scene, std::uint64_t rays) {
   Case c;
   c.name = "reference.embree_spheres." + scene.name;
-  c.feature = "reference";
+  c.feature = "hits";
   c.scene = scene.name;
   c.spec = scene.spec;
   c.family = "chords";

@@ -26,8 +26,8 @@ std::size_t rays_per_family(std::uint64_t tests, const Stage& stage) {
 
 Case brute_force_case(const ListedScene& scene, std::uint64_t tests) {
   Case c;
-  c.feature = scene.has_nodes ? "transforms" : "layers";
-  c.name = c.feature + ".brute_force." + scene.name;
+  c.feature = scene.has_nodes ? "transforms" : "hits";
+  c.name = (scene.has_nodes ? "transforms.brute_force." : "layers.brute_force.") + scene.name;
   c.scene = scene.name;
   c.spec = scene.spec;
   c.paper = "4";
@@ -55,8 +55,9 @@ Case brute_force_case(const ListedScene& scene, std::uint64_t tests) {
 
 Case variants_case(const ListedScene& scene, std::uint64_t per_family) {
   Case c;
-  c.feature = scene.has_nodes ? "transforms" : "variants";
-  c.name = c.feature + (scene.has_nodes ? ".variants." : ".all.") + scene.name;
+  c.feature = scene.has_nodes ? "transforms" : "bake";
+  c.name = (scene.has_nodes ? "transforms.variants." : "variants.all.") + scene.name;
+  c.variant = "bake=every variant";
   c.scene = scene.name;
   c.spec = scene.spec;
   c.paper = "9";

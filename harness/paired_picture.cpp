@@ -8,8 +8,8 @@
 namespace plumbline {
 
 const char* name_of(PairedEffects effects) {
-  static constexpr std::array<const char*, kPairedEffects.size()> kNames{"none",   "aa",          "dof", "soft_shadow",
-                                                                         "glossy", "motion_blur", "all"};
+  static constexpr std::array<const char*, kPairedEffects.size()> kNames{"shading", "aa",          "dof", "soft_shadow",
+                                                                         "glossy",  "motion_blur", "all"};
   return kNames[static_cast<std::size_t>(effects)];
 }
 

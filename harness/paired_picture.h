@@ -15,7 +15,7 @@ enum class PairedEffects { none, aa, dof, soft_shadow, glossy, motion_blur, all 
 inline constexpr std::array kPairedEffects{
     PairedEffects::none,   PairedEffects::aa,          PairedEffects::dof, PairedEffects::soft_shadow,
     PairedEffects::glossy, PairedEffects::motion_blur, PairedEffects::all};
-const char* name_of(PairedEffects effects);
+const char* name_of(PairedEffects effects);  ///< as in case names; of none it is "shading"
 
 /// The scene with the switches set, and with amounts where it has none of its own: a lens of a hundredth of the
 /// distance of what is sharp, lights of a twentieth of the scene's radius, 0.05 for reflections.

@@ -76,9 +76,13 @@ PictureAttributes picture_attributes(const std::string& engine, const std::strin
 void require_picture_name(const std::filesystem::path& path) {
   if (path.extension() != ".png" && path.extension() != ".exr")
     throw InputError(path.string() + ": a picture's name ends in .exr or .png");
+  std::error_code failure;
+  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  if (!std::filesystem::is_directory(folder, failure))
+    throw InputError(path.string() + ": there is no folder " + folder.string() + "; make it first");
 }
 
-Image picture_image(const Picture& picture, const PictureAttributes& attributes) {
+Image picture_image(const PictureFile& picture, const PictureAttributes& attributes) {
   Image image;
   image.width = picture.width;
   image.height = picture.height;
@@ -103,12 +107,12 @@ Image picture_image(const Picture& picture, const PictureAttributes& attributes)
   return image;
 }
 
-std::uint64_t count_not_finite(const Picture& picture) {
+std::uint64_t count_not_finite(const PictureFile& picture) {
   return static_cast<std::uint64_t>(
       std::count_if(picture.mean.begin(), picture.mean.end(), [](const auto& color) { return !is_finite(color); }));
 }
 
-void write_picture(const Picture& picture, const PictureAttributes& attributes, const std::filesystem::path& output) {
+void write_picture(const PictureFile& picture, const PictureAttributes& attributes, const std::filesystem::path& output) {
   if (output.extension() == ".exr") {
     write_exr(output, picture_image(picture, attributes));
     return;

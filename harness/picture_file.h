@@ -14,7 +14,7 @@
 namespace plumbline {
 
 /// A picture, row by row from the top.
-struct Picture {
+struct PictureFile {
   int width = 0, height = 0;
   std::uint32_t frames = 0;
   std::vector<glm::dvec3> mean;                    ///< linear colour
@@ -37,15 +37,16 @@ std::string effect_names(const Effects& effects);
 /// Switches on the effects that a list names, and no others. Throws InputError for other names.
 void set_effects(const std::string& list, Effects& effects);
 
-/// Throws InputError for a name that ends in neither .exr nor .png.
+/// Throws InputError for a name that ends in neither .exr nor .png, and for a folder that is not there: before anything is
+/// rendered.
 void require_picture_name(const std::filesystem::path& path);
 
-Image picture_image(const Picture& picture, const PictureAttributes& attributes);
+Image picture_image(const PictureFile& picture, const PictureAttributes& attributes);
 
 /// Pixels with a NaN or an infinity.
-std::uint64_t count_not_finite(const Picture& picture);
+std::uint64_t count_not_finite(const PictureFile& picture);
 
 /// Writes `output`, by its ending.
-void write_picture(const Picture& picture, const PictureAttributes& attributes, const std::filesystem::path& output);
+void write_picture(const PictureFile& picture, const PictureAttributes& attributes, const std::filesystem::path& output);
 
 }  // namespace plumbline

@@ -38,7 +38,7 @@ class Engine {
  public:
   virtual ~Engine() = default;
   virtual bool lit_by_default() const = 0;
-  virtual Picture render(double time, const RenderProgress& progress) = 0;
+  virtual PictureFile render(double time, const RenderProgress& progress) = 0;
   virtual PictureAttributes attributes(double time) const = 0;
 };
 
@@ -47,11 +47,11 @@ class TracerEngine final : public Engine {
   TracerEngine(const Scene& scene, const std::string& spec, const RenderSettings& settings)
       : renderer_(context_, scene, settings), spec_(spec) {}
   bool lit_by_default() const override { return renderer_.lit_by_default(); }
-  Picture render(double time, const RenderProgress& progress) override {
+  PictureFile render(double time, const RenderProgress& progress) override {
     const RenderSettings& settings = renderer_.settings();
     renderer_.restart(time);
     renderer_.add_frames(settings.first_frame, settings.frames, progress);
-    return picture_of(renderer_.picture());
+    return picture_file(renderer_.picture());
   }
   PictureAttributes attributes(double time) const override {
     return tracer_attributes(renderer_, context_, spec_, time);
@@ -73,9 +73,9 @@ class ReferenceEngine final : public Engine {
     prepare(asked.time);
   }
   bool lit_by_default() const override { return renderer_->lit_by_default(); }
-  Picture render(double time, const RenderProgress& progress) override {
+  PictureFile render(double time, const RenderProgress& progress) override {
     prepare(time);
-    return picture_of(*renderer_->render(progress));
+    return picture_file(*renderer_->render(progress));
   }
   PictureAttributes attributes(double time) const override {
     const ReferenceSettings& used = renderer_->settings();
@@ -106,7 +106,7 @@ void render_one(Engine& engine, const RenderArguments& a, double time, const std
                 const std::string& what) {
   const auto start = std::chrono::steady_clock::now();
   Progress progress;
-  const Picture picture = engine.render(time, [&](double share) {
+  const PictureFile picture = engine.render(time, [&](double share) {
     progress.show(share, what);
     return true;
   });

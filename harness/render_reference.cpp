@@ -3,8 +3,8 @@
 
 namespace plumbline {
 
-Picture picture_of(const ReferencePicture& rendered) {
-  Picture picture;
+PictureFile picture_file(const ReferencePicture& rendered) {
+  PictureFile picture;
   picture.width = rendered.width, picture.height = rendered.height;
   picture.frames = rendered.frames;
   picture.mean = rendered.mean;

@@ -7,6 +7,6 @@
 
 namespace plumbline {
 
-Picture picture_of(const ReferencePicture& rendered);
+PictureFile picture_file(const ReferencePicture& rendered);
 
 }  // namespace plumbline

@@ -5,7 +5,7 @@
 
 namespace plumbline {
 
-Picture picture_of(RenderedPicture rendered) {
+PictureFile picture_file(RenderedPicture rendered) {
   return {rendered.width,
           rendered.height,
           rendered.frames,

@@ -7,7 +7,7 @@
 
 namespace plumbline {
 
-Picture picture_of(RenderedPicture rendered);
+PictureFile picture_file(RenderedPicture rendered);
 
 /// How a picture was made: scene, settings, bake, driver.
 PictureAttributes tracer_attributes(const Renderer& renderer, const GlContext& context, const std::string& scene,

@@ -9,13 +9,21 @@
 #include <fstream>
 #include <set>
 #include <thread>
+#include <unordered_map>
 
+#include "harness/case_runner.h"
 #include "harness/clock.h"
+#include "harness/deeper.h"
+#include "harness/nights.h"
 #include "harness/progress.h"
+#include "harness/shards.h"
 #include "harness/version.h"
+#include "reports/changes_text.h"
+#include "reports/format.h"
 #include "reports/history.h"
 #include "reports/html.h"
 #include "reports/journal.h"
+#include "reports/sha256.h"
 #include "reports/text_summary.h"
 #include "scenes/error.h"
 
@@ -48,24 +56,6 @@ std::string without_resume(std::string command) {
   return command;
 }
 
-CaseRecord run_case(const Case& c, CaseContext& context, const RunOptions& options) {
-  CaseRecord record;
-  record.name = c.name, record.feature = c.feature, record.scene = c.scene, record.family = c.family;
-  record.proves = c.proves, record.paper = c.paper;
-  record.seed = case_seed(options.seed, c.name);
-  record.replay = options.replay + " " + c.name + " --seed " + std::to_string(options.seed) +
-                  (c.rays ? " --rays " + std::to_string(c.rays) : "");
-  const auto start = Clock::now();
-  try {
-    c.run(context, c, record);
-  } catch (const std::exception& error) {
-    record.status = CaseStatus::error;
-    record.message = error.what();
-  }
-  record.seconds = seconds_since(start);
-  return record;
-}
-
 /// The driver's faults as the driver cases found them.
 std::vector<DriverFinding> findings_of(const RunRecord& run) {
   std::vector<DriverFinding> findings;
@@ -74,6 +64,36 @@ std::vector<DriverFinding> findings_of(const RunRecord& run) {
     findings.push_back({c.name.substr(c.name.find('.') + 1), c.figures.front().value != 0.0, c.message});
   }
   return findings;
+}
+
+/// Tells what a run asks from what another one does: names, rays and scenes of its cases.
+std::string digest_of(const std::vector<Case>& cases) {
+  std::string text;
+  for (const Case& c : cases) text += c.name + " " + std::to_string(c.rays) + "\n";
+  return sha256(text);
+}
+
+/// The statistics of all nights together, as a case of its own: a bias that only they show fails the run.
+CaseRecord pooled_case(const std::vector<PooledFigure>& figures) {
+  CaseRecord record;
+  record.name = "history.pooled";
+  record.feature = "history";
+  record.proves = "No statistic leans to the same side night after night.";
+  TableRecord& table = record.tables.emplace_back();
+  table.title = "Statistics pooled over nights";
+  table.columns = {"case", "statistic", "nights", "z", "p", "found below"};
+  std::size_t found = 0;
+  for (const PooledFigure& f : figures) {
+    table.rows.push_back(
+        {f.case_name, f.figure, std::to_string(f.nights), value_text(f.z), value_text(f.p), value_text(f.threshold)});
+    if (!f.found()) continue;
+    ++found;
+    record.message += (found > 1 ? "; " : "") + f.case_name + ", " + f.figure + ": z = " + value_text(f.z) + " over " +
+                      counted(f.nights, "night");
+  }
+  if (found > 0) record.status = CaseStatus::failed;
+  if (found == 0) record.message = counted(figures.size(), "statistic") + " over up to 30 nights";
+  return record;
 }
 
 }  // namespace
@@ -92,20 +112,25 @@ RunRecord begin_record(const RunOptions& options) {
 
 RunRecord run_cases(const std::vector<Case>& all, const RunOptions& options) {
   const auto start = Clock::now();
-  std::vector<Case> cases;
-  for (std::size_t i = 0; i < all.size(); ++i)
-    if (static_cast<int>(i % static_cast<std::size_t>(options.shards)) == options.shard - 1) cases.push_back(all[i]);
-
-  Session session;
+  if (!options.history.empty())
+    History{options.history};  // one that cannot be used is told before the night, not after
+  const std::vector<Case> cases = options.shards > 1 ? shard_of(all, options.shard, options.shards) : all;
+  CaseRunner runner(cases, options);
   RunRecord run = begin_record(options);
   run.planned_cases = cases.size();
-  run.driver_renderer = session.context().renderer();
-  run.driver_version = session.context().version();
+  if (options.shards > 1) run.shard = {options.shard, options.shards, all.size(), digest_of(all)};
+  const CaseRunner::DriverName driver = runner.driver();
+  run.driver_renderer = driver.renderer;
+  run.driver_version = driver.version;
 
   std::set<std::string> done;
   double spent_before = 0.0;
+  // A run that was killed before it recorded anything has nothing to go on with.
+  const bool resumes = options.resume && has_journal(options.out);
+  if (options.resume && !resumes && !options.quiet)
+    std::fprintf(stderr, "plumbline: no run in %s to go on with: it is begun\n", options.out.string().c_str());
   Journal journal = [&] {
-    if (!options.resume) {
+    if (!resumes) {
       Journal begun = Journal::begin(options.out, run);
       // What an earlier run left must not stand for this one, should it be killed.
       for (const char* old : {"index.html", "results.json", "junit.xml", "report.md"}) {
@@ -114,9 +139,6 @@ RunRecord run_cases(const std::vector<Case>& all, const RunOptions& options) {
       }
       return begun;
     }
-    if (!std::filesystem::exists(options.out / "cases.jsonl"))
-      throw InputError("there is no run in " + options.out.string() +
-                       " to go on with; begin it without --resume, or name its folder with --out");
     RunRecord earlier;
     Journal opened = Journal::resume(options.out, earlier);
     if (earlier.seed != run.seed || earlier.commit != run.commit || earlier.planned_cases != run.planned_cases ||
@@ -132,35 +154,66 @@ RunRecord run_cases(const std::vector<Case>& all, const RunOptions& options) {
   }();
 
   Progress progress;
-  CaseContext context{session, options.seed, options.out, [](double) {}};
+  const auto spent = [&] { return spent_before + seconds_since(start); };
+  const auto tell = [&](const CaseRecord& record) {
+    if (options.quiet || (record.status != CaseStatus::failed && record.status != CaseStatus::error)) return;
+    progress.clear();
+    std::fprintf(stderr, "%s %s: %s\n  replay: %s\n", record.status == CaseStatus::failed ? "FAILED" : "ERROR",
+                 record.name.c_str(), record.message.c_str(), record.replay.c_str());
+  };
   for (std::size_t i = 0; i < cases.size(); ++i) {
     const Case& c = cases[i];
     if (done.count(c.name)) continue;
-    if (options.budget_seconds > 0.0 && seconds_since(start) > options.budget_seconds) break;
+    if (options.budget_seconds > 0.0 && spent() > options.budget_seconds) break;
     const auto at = [&](double share) {
       if (!options.quiet) progress.show((static_cast<double>(i) + share) / static_cast<double>(cases.size()), c.name);
     };
-    context.progress = at;
     at(0.0);
-    CaseRecord record = run_case(c, context, options);
-    if (!options.quiet && (record.status == CaseStatus::failed || record.status == CaseStatus::error)) {
-      progress.clear();
-      std::fprintf(stderr, "%s %s: %s\n  replay: %s\n", record.status == CaseStatus::failed ? "FAILED" : "ERROR",
-                   c.name.c_str(), record.message.c_str(), record.replay.c_str());
-    }
+    CaseRecord record = runner.run(i, options.seed, at);
+    judge_by_expectation(options.expected, driver.renderer + ", " + driver.version, run.started.substr(0, 10), record);
+    tell(record);
     journal.append(record);
     run.cases.push_back(std::move(record));
   }
+  const auto deepen = [&](const std::vector<std::size_t>& numbers) {
+    std::unordered_map<std::string, std::size_t> position;
+    for (std::size_t i = 0; i < run.cases.size(); ++i) position[run.cases[i].name] = i;
+    bool any = false;
+    for (const std::size_t i : numbers) {
+      CaseRecord& record = run.cases[position.at(cases[i].name)];
+      const auto passes = static_cast<double>(1 + passes_of(record));
+      if (spent() + record.seconds / passes > options.budget_seconds) continue;
+      const auto at = [&](double) {
+        if (!options.quiet) progress.show(spent() / options.budget_seconds, "more rays: " + cases[i].name);
+      };
+      at(0.0);
+      CaseRecord next = runner.run(i, pass_seed(options.seed, 1 + passes_of(record)), at);
+      tell(next);
+      add_pass(record, std::move(next));
+      journal.append(record);
+      any = true;
+    }
+    return any;
+  };
+  while (options.budget_seconds > 0.0 && run.cases.size() == cases.size() && spent() < options.budget_seconds &&
+         deepen(worth_another_pass(cases, run.cases))) {
+  }
   progress.clear();
   run.findings = findings_of(run);
-  run.seconds = spent_before + seconds_since(start);
+  run.seconds = spent();
 
+  finish_run(run, options);
+  return run;
+}
+
+void finish_run(RunRecord& run, const RunOptions& options) {
   ReportOptions report;
   if (!options.history.empty()) {
     try {
       History history(options.history);
-      report.changes = history.changes_since_last(run);
+      report.changes = changes_since(run, history);
       report.past = history.last_runs(30);
+      if (!report.changes->pooled.empty()) run.cases.push_back(pooled_case(report.changes->pooled));
       history.append_run(run);
     } catch (const std::exception& error) {  // the run's own report matters more
       std::fprintf(stderr, "plumbline: the history is left out: %s\n", error.what());
@@ -168,10 +221,11 @@ RunRecord run_cases(const std::vector<Case>& all, const RunOptions& options) {
   }
   write_report(run, options.out, report);
   if (!options.quiet) {
+    if (report.changes && !report.changes->first_run)
+      std::printf("Since the run of %s\n%s\n", report.changes->since.c_str(), changes_text(*report.changes).c_str());
     std::fputs(text_summary(run, {isatty(STDOUT_FILENO) != 0, 20}).c_str(), stdout);
     std::printf("Report: %s\n", (options.out / "index.html").string().c_str());
   }
-  return run;
 }
 
 int exit_status(const RunRecord& run) { return summarize(run).ok() ? 0 : 1; }

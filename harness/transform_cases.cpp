@@ -69,6 +69,7 @@ Case family_case(const ListedScene& scene, TransformOut out, RayFamily family, s
   c.scene = scene.name;
   c.spec = scene.spec;
   c.family = info.name;
+  c.variant = std::string("transform-out=") + name_of(out);
   c.paper = "6";
   c.proves = proof_of(family, out);
   c.rays = rays;

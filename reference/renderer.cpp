@@ -142,6 +142,11 @@ ReferenceRenderer::~ReferenceRenderer() = default;
 
 bool ReferenceRenderer::lit_by_default() const { return impl_->lit_by_default; }
 const ReferenceSettings& ReferenceRenderer::settings() const { return impl_->settings; }
+void ReferenceRenderer::set_frames(std::uint32_t first, std::uint32_t count) {
+  if (count < 1) throw InputError("a picture needs at least one frame");
+  impl_->settings.first_frame = first;
+  impl_->settings.frames = count;
+}
 
 std::optional<ReferencePicture> ReferenceRenderer::render(const ReferenceProgress& progress,
                                                           const RandomSource* numbers) {

@@ -44,6 +44,8 @@ class ReferenceRenderer {
   /// Whether the scene had no light, and is lit by default_light.
   bool lit_by_default() const;
   const ReferenceSettings& settings() const;  ///< with the size and the effects that are meant
+  /// Other frames of the same picture. Throws InputError for a count of 0.
+  void set_frames(std::uint32_t first, std::uint32_t count);
 
   /// The picture, on all cores. It depends on the settings alone, not on the number of threads. `numbers`: null for the
   /// renderer's own. Nothing where `progress` ended it.

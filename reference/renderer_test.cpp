@@ -109,6 +109,43 @@ TEST_CASE("The sharp ray's channels are those of the pixel's centre") {
   }
 }
 
+TEST_CASE("In the scenes for pictures the ground shows where its plane comes before everything else") {
+  std::size_t on_ground = 0, before_it = 0;
+  for (const std::string& name : picture_scenes()) {
+    CAPTURE(name);
+    Scene scene = load_scene(name);
+    if (scene.ground.radius == 0.0f) continue;
+    if (!scene.animation.empty()) set_time(scene, 0.0);
+    ReferenceSettings settings;
+    settings.width = 48, settings.height = 32;
+    const auto picture = ReferenceRenderer(scene, settings).render();
+    Camera camera = scene.camera;
+    camera.width = 48, camera.height = 32;
+    const EmbreeScene hits(scene);
+    const glm::dvec3 center(scene.ground.center), normal(scene.ground.normal);
+    for (int i = 0; i < 48 * 32; ++i) {
+      const Ray ray = camera_ray(camera, i % 48, i / 48);
+      const glm::dvec3 o(ray.origin), d(ray.direction);
+      const ReferenceHit thing = hits.first_hit(ray);
+      const double t = glm::dot(center - o, normal) / glm::dot(d, normal);
+      const bool seen = t > 0.0 && glm::length(o + t * d - center) <= static_cast<double>(scene.ground.radius);
+      const auto at = static_cast<std::size_t>(i);
+      if (seen && !(thing.t <= t)) {
+        ++on_ground;
+        REQUIRE(picture->primitive[at] == scene.primitive_count());
+        REQUIRE(picture->instance[at] == kNone);
+        REQUIRE(picture->depth[at] == Approx(t).epsilon(1e-14));
+        REQUIRE(picture->normal[at] == normal);
+      } else {
+        before_it += seen;
+        REQUIRE(picture->primitive[at] == thing.primitive);
+      }
+    }
+  }
+  CHECK(on_ground > 1000);
+  CHECK(before_it > 100);
+}
+
 TEST_CASE("A rendering ends when it is told to") {
   ReferenceRenderer renderer(all_effects(), small_settings());
   double last = 0.0;

@@ -60,6 +60,12 @@ Rgb value_color(double share) {
   return oklch(0.24 + 0.72 * v, 0.13 + 0.05 * v, 305.0 - 198.0 * v);
 }
 
+Rgb signed_color(double share) {
+  if (std::isnan(share)) return kNoValue;
+  const double size = std::min(1.0, std::fabs(share));
+  return oklch(0.96 - 0.42 * size, 0.17 * size, share < 0.0 ? 255.0 : 45.0);
+}
+
 Rgb primitive_color(std::uint32_t primitive) {
   const std::uint64_t bits = mix64(primitive + 0x9e3779b97f4a7c15ull);
   const auto part = [&](int shift) { return static_cast<double>((bits >> shift) & 0xffffu) / 65536.0; };

@@ -20,6 +20,9 @@ double lightness_of(Rgb color);
 /// Dark violet at 0 through blue and green to pale yellow at 1: lightness rises evenly, so equal steps look equal, in
 /// grey and to the colour-blind too. Arguments are clamped; NaN gives kNoValue.
 Rgb value_color(double share);
+/// Blue at -1 through near white at 0 to orange at 1: what differs, and which way. Arguments are clamped; NaN gives
+/// kNoValue.
+Rgb signed_color(double share);
 /// A colour that tells a primitive from its neighbours: the number is hashed.
 Rgb primitive_color(std::uint32_t primitive);
 /// The colour of a verdict, as in the page's legend (assets/report.css names the same); unknown names are grey.

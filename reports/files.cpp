@@ -2,19 +2,37 @@
 // See files.h.
 #include "reports/files.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <sstream>
 #include <system_error>
 
 #include "scenes/error.h"
+#include "scenes/output_file.h"
 
 namespace plumbline {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+/// False: errno says why.
+bool write_all(int descriptor, std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t written = ::write(descriptor, text.data(), text.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return false;
+    text.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return true;
+}
+
+}  // namespace
 
 std::string read_text(const fs::path& file) {
   std::error_code error;
@@ -40,24 +58,27 @@ void make_folder(const fs::path& folder) {
 
 void write_text(const fs::path& file, std::string_view text) {
   make_folder(file.parent_path());
+  const OutputTarget target = output_target(file);
+  const auto refuse = [&](const std::string& why) {
+    throw EnvironmentError(file.string() + ": cannot be written: " + why);
+  };
+  if (target.descriptor >= 0) {
+    std::fflush(nullptr);  // what was printed before comes before
+    if (!write_all(target.descriptor, text)) refuse(std::strerror(errno));
+    return;
+  }
   // The process number keeps two shards that write beside one another apart.
-  fs::path temporary = file;
-  temporary += ".part" + std::to_string(::getpid());
-  std::ofstream out(temporary, std::ios::binary);
-  out.write(text.data(), static_cast<std::streamsize>(text.size()));
-  out.close();
-  std::error_code error;
-  if (!out) {
-    const std::string why = std::strerror(errno);
-    fs::remove(temporary, error);
-    throw EnvironmentError(file.string() + ": cannot be written: " + why);
-  }
-  fs::rename(temporary, file, error);
-  if (error) {
-    const std::string why = error.message();
-    fs::remove(temporary, error);
-    throw EnvironmentError(file.string() + ": cannot be written: " + why);
-  }
+  fs::path written = target.path;
+  if (target.replaceable) written += ".part" + std::to_string(::getpid());
+  const int flags = target.replaceable ? O_WRONLY | O_CREAT | O_TRUNC : O_WRONLY;
+  const int descriptor = ::open(written.c_str(), flags | O_CLOEXEC, 0666);
+  if (descriptor < 0) refuse(std::strerror(errno));
+  int failure = write_all(descriptor, text) ? 0 : errno;
+  if (::close(descriptor) != 0 && failure == 0) failure = errno;
+  if (target.replaceable && failure == 0 && ::rename(written.c_str(), target.path.c_str()) != 0) failure = errno;
+  if (failure == 0) return;
+  if (target.replaceable) ::unlink(written.c_str());
+  refuse(std::strerror(failure));
 }
 
 }  // namespace plumbline

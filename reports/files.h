@@ -11,8 +11,9 @@ namespace plumbline {
 /// Throws InputError that says what to do, where the file is missing, unreadable or a folder.
 std::string read_text(const std::filesystem::path& file);
 
-/// Writes a temporary file beside `file` and renames it. Makes the folder where it is missing.
-/// Throws EnvironmentError where the disk refuses; then `file` is as it was before.
+/// Writes a temporary file beside `file` and renames it; a symbolic link stays one. A device, a pipe and /dev/stdout
+/// are written in place. Makes the folder where it is missing. Throws EnvironmentError where the disk refuses; then a
+/// plain `file` is as it was before. InputError for a folder.
 void write_text(const std::filesystem::path& file, std::string_view text);
 
 /// Throws EnvironmentError where the folder cannot be made.

@@ -84,6 +84,10 @@ std::string failures(const RunRecord& run, const std::vector<std::string>& ids) 
   return "<section class=\"card failures\"><h2>What failed</h2><ol>" + html + "</ol></section>";
 }
 
+std::string commit_html(const std::string& commit) {
+  return commit.empty() ? "" : " at <code>" + html_escape(commit.substr(0, 10)) + "</code>";
+}
+
 std::string changes_html(const RunRecord& run, const std::vector<std::string>& ids, const ReportOptions& options) {
   if (!options.changes) return "";
   const RunChanges& changes = *options.changes;
@@ -111,8 +115,33 @@ std::string changes_html(const RunRecord& run, const std::vector<std::string>& i
   line("good", "newly passing", changes.newly_passing);
   line("", "new cases", changes.new_cases);
   line("", "no longer asked", changes.gone_cases);
-  return "<p>Compared with the run of " + readable_time(changes.since) + ":" +
-         (html.empty() ? " nothing changed.</p>" : "</p><ul class=\"changes\">" + html + "</ul>");
+  const auto items = [&](const char* mark, const char* what, const auto& list, const auto& text) {
+    if (list.empty()) return;
+    html += std::string("<li class=\"") + mark + "\"><b>" + what + " (" + grouped(list.size()) + "):</b> ";
+    for (std::size_t i = 0; i < list.size() && i < kShownFailures; ++i) html += (i ? "; " : "") + text(list[i]);
+    html += (list.size() > kShownFailures ? " and " + grouped(list.size() - kShownFailures) + " more" : "") + "</li>";
+  };
+  std::vector<PooledFigure> found;
+  for (const PooledFigure& figure : changes.pooled)
+    if (figure.found()) found.push_back(figure);
+  items("bad", "drifting the same way night after night", found, [&](const PooledFigure& f) {
+    return names({f.case_name}) + ", " + html_escape(f.figure) + ": z = " + value_text(f.z) + " over " +
+           counted(f.nights, "night") + " (p = " + value_text(f.p) + ")";
+  });
+  items("bad", "since when", changes.failing_since, [&](const FailingSince& f) {
+    return names({f.name}) + " " +
+           (f.passed.empty() ? "never passed"
+                             : "last passed " + readable_time(f.passed) + commit_html(f.passed_commit)) +
+           ", failing for " + counted(f.runs, "run");
+  });
+  items("bad", "slower than noise explains", changes.slower, [&](const SlowerCase& c) {
+    return names({c.name}) + ": " + duration(c.seconds) + ", " + duration(c.usual) + " before";
+  });
+  items("", "new around it", changes.surroundings, [](const std::string& text) { return html_escape(text); });
+  const std::string pass =
+      changes.last_pass.empty() ? "no run passed before" : "the last that passed: " + readable_time(changes.last_pass);
+  return "<p>Compared with the run of " + readable_time(changes.since) + " (" + pass +
+         "):" + (html.empty() ? " nothing changed.</p>" : "</p><ul class=\"changes\">" + html + "</ul>");
 }
 
 std::string past_runs(const ReportOptions& options) {

@@ -172,12 +172,25 @@ TEST_CASE("html: 500 cases and 5,000 rays stay below 1.5 MB") {
 TEST_CASE("html: what changed stands on the first screen") {
   const RunRecord run = example_run();
   ReportOptions options;
-  options.changes = RunChanges{false, "2026-11-21T03:00:00Z", {run.cases.back().name}, {"hits.gone"}, {}, {}, {}};
-  options.past = {PastRun{"2026-11-21T03:00:00Z", "0.1.0", "abc", 1, 500.0, {}}};
+  RunChanges& changes = options.changes.emplace();
+  changes.since = "2026-11-21T03:00:00Z";
+  changes.newly_failing = {run.cases.back().name};
+  changes.newly_passing = {"hits.gone"};
+  changes.failing_since = {{run.cases.back().name, "2026-11-19T03:00:00Z", "0123456789abcdef", 3}};
+  changes.slower = {{"hits.slow", 3.0, 2.0, 9}};
+  changes.surroundings = {"Embree: 4.3, was <3>"};
+  changes.pooled = {{"drt.biased", "mean", 30, 6.5, 1e-10, 1e-6}, {"drt.fine", "mean", 30, 0.5, 0.6, 1e-6}};
+  options.past.resize(1);
+  options.past[0].started = "2026-11-21T03:00:00Z";
   const std::string html = page_of(run, options);
   CHECK_THAT(html, Catch::Contains("newly failing (1):</b> <a href=\"#case-" + run.cases.back().name));
   CHECK_THAT(html, Catch::Contains("newly passing (1):</b> hits.gone"));
   CHECK_THAT(html, Catch::Contains("2026-11-21 03:00 UTC"));
+  CHECK_THAT(html, Catch::Contains("last passed 2026-11-19 03:00 UTC at <code>0123456789</code>, failing for 3 runs"));
+  CHECK_THAT(html, Catch::Contains("hits.slow: 3.0 s, 2.0 s before"));
+  CHECK_THAT(html, Catch::Contains("Embree: 4.3, was &lt;3&gt;"));
+  CHECK_THAT(html, Catch::Contains("drt.biased"));
+  CHECK_THAT(html, !Catch::Contains("drt.fine"));
   CHECK(html.find("id=\"changes\"") < html.find("id=\"matrix\""));
 }
 
@@ -210,15 +223,21 @@ TEST_CASE("html: the example report", "[.example]") {
   RunRecord run = example_run({.families = 15, .scenes = 20, .rays_per_case = 16});
   add_example_pictures(run, target);
   ReportOptions options;
-  options.changes = RunChanges{false,
-                               "2026-11-21T03:00:00Z",
-                               {"hits.random_chords.balls_4"},
-                               {"hits.camera.bunny"},
-                               {"hits.aimed_edges.tetra_6"},
-                               {},
-                               {}};
+  RunChanges& changes = options.changes.emplace();
+  changes.since = changes.last_pass = "2026-11-21T03:00:00Z";
+  changes.newly_failing = {"hits.random_chords.balls_4"};
+  changes.newly_passing = {"hits.camera.bunny"};
+  changes.still_failing = {"hits.aimed_edges.tetra_6"};
+  changes.failing_since = {{"hits.random_chords.balls_4", "2026-11-21T03:00:00Z", "0123456789ab", 1},
+                           {"hits.aimed_edges.tetra_6", "2026-11-18T03:00:00Z", "0123456789ab", 4}};
+  changes.surroundings = {"Embree: 3.13.5, was 3.13.4"};
+  changes.slower = {{"hits.camera.bunny", 3.1, 2.0, 9}};
+  changes.pooled = {{"drt.independent.dof.bunny", "mean of the image", 30, 6.5, 1e-10, 1e-6}};
   for (int day = 21; day > 11; --day) {
-    PastRun past{"2026-11-" + std::to_string(day) + "T03:00:00Z", "0.1.0", "0123456789ab", 5, 540.0 + day, {}};
+    PastRun past;
+    past.started = "2026-11-" + std::to_string(day) + "T03:00:00Z";
+    past.commit = "0123456789ab";
+    past.seconds = 540.0 + day;
     past.summary = {305, 304, day % 7 == 0 ? 1u : 0u, 0, 1, 22873500, 0, 0, {}};
     options.past.push_back(past);
   }

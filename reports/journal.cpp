@@ -106,6 +106,12 @@ void Journal::write_line(std::string line) {
   }
 }
 
+bool has_journal(const fs::path& folder) {
+  std::error_code error;
+  const fs::path file = folder / kJournalName;
+  return fs::exists(file, error) && read_text(file).find('\n') != std::string::npos;
+}
+
 RunRecord read_journal(const fs::path& folder) {
   const fs::path file = folder / kJournalName;
   return parse_journal(read_text(file), file.string());

@@ -38,6 +38,9 @@ class Journal {
   int descriptor_ = -1;
 };
 
+/// Whether a run has begun in `folder`: its journal holds a line.
+bool has_journal(const std::filesystem::path& folder);
+
 /// The run and all cases that ended, in the order they ended. A last line without its line break was torn by a kill: it
 /// is passed over. A case that stands there twice counts as it stands last. Throws InputError for anything else that is
 /// not right.

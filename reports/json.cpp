@@ -8,6 +8,7 @@
 
 #include "reports/assets.h"
 #include "reports/files.h"
+#include "reports/sha256.h"
 #include "reports/summary.h"
 #include "scenes/error.h"
 
@@ -110,19 +111,42 @@ Json to_json(const CaseRecord& record) {
 }
 
 Json header_to_json(const RunRecord& run, std::string_view format) {
-  return {{"format", format},
-          {"schema_version", RunRecord::kSchemaVersion},
-          {"version", run.version},
-          {"commit", run.commit},
-          {"command", run.command},
-          {"seed", std::to_string(run.seed)},
-          {"started", run.started},
-          {"seconds", number(run.seconds)},
-          {"machine", run.machine},
-          {"libraries", run.libraries},
-          {"driver",
-           {{"renderer", run.driver_renderer}, {"version", run.driver_version}, {"findings", list(run.findings)}}},
-          {"planned_cases", run.planned_cases}};
+  Json out = {{"format", format},
+              {"schema_version", RunRecord::kSchemaVersion},
+              {"version", run.version},
+              {"commit", run.commit},
+              {"command", run.command},
+              {"seed", std::to_string(run.seed)},
+              {"started", run.started},
+              {"seconds", number(run.seconds)},
+              {"machine", run.machine},
+              {"libraries", run.libraries},
+              {"driver",
+               {{"renderer", run.driver_renderer}, {"version", run.driver_version}, {"findings", list(run.findings)}}},
+              {"planned_cases", run.planned_cases}};
+  if (run.shard.of > 0)
+    out["shard"] = {{"number", run.shard.number},
+                    {"of", run.shard.of},
+                    {"whole_cases", run.shard.whole_cases},
+                    {"whole", run.shard.whole}};
+  return out;
+}
+
+// ---- The digest: the last key, over the text as it is without it ----
+
+constexpr std::string_view kDigestKey = ",\n \"digest\": \"sha256:";
+constexpr std::string_view kDigestEnd = "\"\n}\n", kTextEnd = "\n}\n";
+
+std::string with_digest(std::string text) {
+  const std::string digest = sha256(text);
+  text.resize(text.size() - kTextEnd.size());
+  return text.append(kDigestKey).append(digest).append(kDigestEnd);
+}
+
+/// Whether the digest that `text` ends with is that of the rest.
+bool digest_holds(std::string_view text) {
+  const std::size_t at = text.rfind(kDigestKey);
+  return at != std::string_view::npos && with_digest(std::string(text.substr(0, at)).append(kTextEnd)) == text;
 }
 
 std::string text_of(const Json& json, int indent) {
@@ -328,6 +352,11 @@ RunRecord header_of(const Node& node, std::string_view format) {
   for (const Node& finding : driver["findings"].items())
     run.findings.push_back({finding["name"].text(), finding["found"].boolean(), finding["detail"].text()});
   run.planned_cases = node["planned_cases"].count();
+  if (node.has("shard")) {
+    const Node shard = node["shard"];
+    run.shard = {shard["number"].small_count(), shard["of"].small_count(), shard["whole_cases"].count(),
+                 shard["whole"].text()};
+  }
   return run;
 }
 
@@ -356,7 +385,7 @@ std::string run_to_json(const RunRecord& run) {
                     {"without_verdict", total.without_verdict},
                     {"verdicts", to_json(total.verdicts)}};
   out["cases"] = list(run.cases);
-  return text_of(out, 1) + "\n";
+  return with_digest(text_of(out, 1) + "\n");
 }
 
 RunRecord run_from_json(std::string_view text, const std::string& file) {
@@ -364,8 +393,15 @@ RunRecord run_from_json(std::string_view text, const std::string& file) {
   const Node node{json, file, ""};
   RunRecord run = header_of(node, kFormat);
   for (const Node& record : node["cases"].items()) run.cases.push_back(case_of(record));
+  // Runs of before it was there have none.
+  if (node.has("digest") && !digest_holds(text))
+    throw InputError(file +
+                     ": was changed since it was written: its digest does not hold; take the file that the run " +
+                     "wrote, or run again");
   return run;
 }
+
+bool has_digest(std::string_view text) { return text.rfind(kDigestKey) != std::string_view::npos; }
 
 std::string run_header_to_json(const RunRecord& run) { return text_of(header_to_json(run, kJournalFormat), -1); }
 

@@ -19,8 +19,10 @@ namespace plumbline {
 /// The whole run, indented, keys in a fixed order: equal runs give equal text.
 std::string run_to_json(const RunRecord& run);
 /// The reverse. `file` is named in errors. Throws InputError for text that is not JSON (truncated files included), not
-/// ours, of a newer version, or lacks a key; unknown keys are passed over.
+/// ours, of a newer version, lacks a key, or was changed since it was written; unknown keys are passed over.
 RunRecord run_from_json(std::string_view text, const std::string& file);
+/// Whether a run's text carries a digest, by which run_from_json sees changes.
+bool has_digest(std::string_view text);
 
 /// One line each, without a line break: what the journal is made of. The header is a run without its cases.
 std::string run_header_to_json(const RunRecord& run);

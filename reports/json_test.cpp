@@ -36,6 +36,7 @@ bool obeys_schema(const Json& document) {
 /// A run in which every field differs from its default.
 RunRecord full_run() {
   RunRecord run = example_run();
+  run.shard = {2, 5, 99, "all that was asked"};
   CaseRecord& record = run.cases.back();
   record.figures = {{"ratio", "1", 0.5}, {"time", "s", std::numeric_limits<double>::quiet_NaN(), -1.0, 2.0, 5}};
   record.pictures = {{"pictures/a.png",
@@ -173,9 +174,10 @@ TEST_CASE("json: foreign, broken and newer files are refused with what to do") {
   check_refused(changed([](Json& j) { j["seed"] = ""; }), "seed");
   check_refused(changed([](Json& j) { j["seconds"] = "soon"; }), "seconds");
   check_refused(changed([](Json& j) { j["libraries"] = 1; }), "libraries");
-  CHECK(run_from_json(changed([](Json& j) { j["added_later"] = 1; }), "results.json").cases.size() ==
+  check_refused(changed([](Json& j) { j["seed"] = "1"; }), "digest does not hold");
+  CHECK(run_from_json(changed([](Json& j) { j.erase("digest"), j["added_later"] = 1; }), "results.json").cases.size() ==
         full_run().cases.size());
-  CHECK(run_from_json(changed([](Json& j) { j["seed"] = "18446744073709551615"; }), "f").seed ==
+  CHECK(run_from_json(changed([](Json& j) { j.erase("digest"), j["seed"] = "18446744073709551615"; }), "f").seed ==
         18446744073709551615ull);
 }
 
@@ -192,7 +194,7 @@ TEST_CASE("json: files are whole or not there") {
   CHECK_THROWS_AS(read_results(folder.path / "empty"), InputError);
   CHECK(read_text(folder.path / "empty").empty());
   CHECK_THROWS_AS(write_results(full_run(), folder.path / "empty" / "results.json"), EnvironmentError);
-  CHECK_THROWS_AS(write_text(folder.path, "x"), EnvironmentError);
+  CHECK_THROWS_AS(write_text(folder.path, "x"), InputError);
 }
 
 }  // namespace plumbline

@@ -60,6 +60,21 @@ Picture paint_values(std::span<const float> values, int width, int height, const
   return picture;
 }
 
+Picture paint_signed(std::span<const float> values, int width, int height, const std::string& unit, double limit) {
+  PLUMBLINE_ASSERT(limit > 0.0);
+  Picture picture = blank(values.size(), width, height);
+  std::uint64_t without = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (std::isnan(values[i])) ++without;
+    picture.pixels[i] = signed_color(static_cast<double>(values[i]) / limit);
+  }
+  picture.scale = {-limit, limit, unit, {}};
+  for (int i = 0; i < kScaleColors; ++i)
+    picture.scale.colors.push_back(hex_color(signed_color(2.0 * i / (kScaleColors - 1.0) - 1.0)));
+  if (without) picture.legend.push_back({"no value", hex_color(kNoValue), without});
+  return picture;
+}
+
 Picture paint_primitives(std::span<const std::uint32_t> primitives, std::span<const float> brightness, int width,
                          int height) {
   Picture picture = blank(primitives.size(), width, height);

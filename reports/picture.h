@@ -34,6 +34,9 @@ struct ValueRange {
 Picture paint_values(std::span<const float> values, int width, int height, const std::string& unit,
                      ValueRange range = {});
 
+/// Values of either sign by colour, from -limit to limit > 0: blue below zero, orange above.
+Picture paint_signed(std::span<const float> values, int width, int height, const std::string& unit, double limit);
+
 /// Primitive numbers (kNone: a miss) by colour. `brightness` in [0, 1] (|cosine| between ray and normal, say) makes the
 /// shape seen; empty: flat.
 Picture paint_primitives(std::span<const std::uint32_t> primitives, std::span<const float> brightness, int width,

@@ -116,4 +116,17 @@ TEST_CASE("picture: the file holds the pixels") {
     CHECK(std::lround(image.pixels[i] * 255.0f) == picture.pixels[i / 3][i % 3]);
 }
 
+TEST_CASE("Signed values are blue below zero, orange above, and alike in size") {
+  const std::vector<float> values{-9.0f, -2.0f, 0.0f, 2.0f, std::numeric_limits<float>::quiet_NaN(), 4.0f};
+  const Picture picture = paint_signed(values, 3, 2, "sigmas", 4.0);
+  CHECK(picture.pixels[0] == signed_color(-1.0));
+  CHECK(picture.pixels[1][2] > picture.pixels[1][0]);
+  CHECK(picture.pixels[3][0] > picture.pixels[3][2]);
+  CHECK(std::abs(lightness_of(picture.pixels[1]) - lightness_of(picture.pixels[3])) < 0.03);
+  CHECK(lightness_of(picture.pixels[2]) > 0.9);
+  CHECK(picture.pixels[4] == kNoValue);
+  CHECK((picture.scale.low == -4.0 && picture.scale.high == 4.0));
+  CHECK((picture.legend.size() == 1 && picture.legend[0].pixels == 1));
+}
+
 }  // namespace plumbline

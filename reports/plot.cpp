@@ -73,6 +73,10 @@ std::string line_between(double x1, double y1, double x2, double y2, const char*
          "\" stroke=\"" + color + "\"/>\n";
 }
 
+std::string mark_at(const std::string& x, const std::string& y, const std::string& color) {
+  return "<circle cx=\"" + x + "\" cy=\"" + y + "\" r=\"3\" fill=\"" + xml_escape(color) + "\"/>\n";
+}
+
 }  // namespace
 
 std::string plot_svg(const Plot& plot) {
@@ -80,7 +84,8 @@ std::string plot_svg(const Plot& plot) {
   for (const PlotSeries& s : plot.series) {
     PLUMBLINE_ASSERT(s.x.size() == s.y.size());
     xs.insert(xs.end(), s.x.begin(), s.x.end());
-    ys.insert(ys.end(), s.y.begin(), s.y.end());
+    PLUMBLINE_ASSERT(s.low.size() == s.high.size() && (s.low.empty() || s.low.size() == s.y.size()));
+    for (const auto* values : {&s.y, &s.low, &s.high}) ys.insert(ys.end(), values->begin(), values->end());
   }
   const Axis x = make_axis(plot.log_x, xs), y = make_axis(plot.log_y, ys);
   const double width = kWidth - kLeft - kRight, height = kHeight - kTop - kBottom;
@@ -117,11 +122,18 @@ std::string plot_svg(const Plot& plot) {
       if (!shown) continue;
       const std::string at_x = number(px(s.x[i])), at_y = number(py(s.y[i]));
       points += (points.empty() ? "" : " ") + at_x + "," + at_y;
-      marks += "<circle cx=\"" + at_x + "\" cy=\"" + at_y + "\" r=\"3\" fill=\"" + xml_escape(s.color) + "\"/>\n";
+      if (s.marks) marks += mark_at(at_x, at_y, s.color);
+      if (!s.low.empty() && std::isfinite(s.low[i]) && std::isfinite(s.high[i]) && !(plot.log_y && !(s.low[i] > 0.0)))
+        marks += line_between(px(s.x[i]), py(s.low[i]), px(s.x[i]), py(s.high[i]), xml_escape(s.color).c_str());
     }
-    svg += "<polyline fill=\"none\"" + stroke + " points=\"" + points + "\"/>\n" + marks;
-    svg += "<line x1=\"" + number(kLeft + 12.0) + "\" y1=\"" + number(legend - 4.0) + "\" x2=\"" +
-           number(kLeft + 40.0) + "\" y2=\"" + number(legend - 4.0) + "\"" + stroke + "/>\n";
+    if (s.line) svg += "<polyline fill=\"none\"" + stroke + " points=\"" + points + "\"/>\n";
+    svg += marks;
+    if (s.label.empty()) continue;
+    if (s.line)
+      svg += "<line x1=\"" + number(kLeft + 12.0) + "\" y1=\"" + number(legend - 4.0) + "\" x2=\"" +
+             number(kLeft + 40.0) + "\" y2=\"" + number(legend - 4.0) + "\"" + stroke + "/>\n";
+    else
+      svg += mark_at(number(kLeft + 26.0), number(legend - 4.0), s.color);
     svg += text_at(kLeft + 46.0, legend, "start", s.label);
     legend += kLegendLine;
   }

@@ -12,10 +12,13 @@
 namespace plumbline {
 
 struct PlotSeries {
-  std::string label;  ///< "inverse, median"
+  std::string label;  ///< "inverse, median"; empty: not in the legend
   std::string color;  ///< "#d55e00"
   bool dashed = false;
   std::vector<double> x, y;  ///< as long as each other; points that a logarithmic axis cannot show are left out
+  bool marks = true;         ///< a dot at each point
+  bool line = true;          ///< from point to point
+  std::vector<double> low = {}, high = {};  ///< ends of a bar at each point, as long as y; empty: no bars
 };
 
 struct Plot {

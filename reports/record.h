@@ -102,6 +102,13 @@ struct DriverFinding {
   std::string detail;  ///< one line: what was expected, what came
 };
 
+/// Which part of a run that was cut for many machines.
+struct ShardRecord {
+  int number = 0, of = 0;         ///< 2 of 5; 0 of 0: the run was not cut
+  std::uint64_t whole_cases = 0;  ///< of all parts together
+  std::string whole;              ///< digest of what all parts together ask, so that parts of other runs are told apart
+};
+
 struct RunRecord {
   static constexpr int kSchemaVersion = 1;  ///< of results.json (results.schema.json) and of the journal
   std::string version, commit;              ///< of Plumbline
@@ -114,7 +121,8 @@ struct RunRecord {
   std::map<std::string, std::string> libraries;  ///< name to version: Embree, CGAL, OpenImageIO, compiler
   std::string machine;                           ///< processor and number of cores
   std::uint64_t planned_cases = 0;  ///< how many cases the run set out to do; more than cases: it was cut short
-  std::vector<CaseRecord> cases;    ///< names are unique
+  ShardRecord shard;
+  std::vector<CaseRecord> cases;  ///< names are unique
 };
 
 }  // namespace plumbline

@@ -12,6 +12,7 @@
 #include <memory>
 
 #include "scenes/error.h"
+#include "scenes/output_file.h"
 
 namespace plumbline {
 namespace {
@@ -37,10 +38,13 @@ std::string text_of(float number) {
 void write_whole(const std::filesystem::path& path, const OIIO::ImageSpec& spec, const OIIO::TypeDesc& type,
                  const void* pixels) {
   const std::string name = path.string();
+  const OutputTarget target = output_target(path);
+  if (!target.replaceable)
+    throw InputError(name + ": an image is not written to a device or a pipe; name a plain file");
   // The ending chooses the format, so the temporary name keeps it.
   std::string hidden = ".";
   hidden.append(path.stem().string()).append(".").append(std::to_string(::getpid())).append(path.extension().string());
-  const std::filesystem::path temporary = path.parent_path() / hidden;
+  const std::filesystem::path temporary = target.path.parent_path() / hidden;
   const auto fail = [&](const std::string& reason) {
     std::error_code ignored;
     std::filesystem::remove(temporary, ignored);
@@ -52,7 +56,7 @@ void write_whole(const std::filesystem::path& path, const OIIO::ImageSpec& spec,
   if (!output->write_image(type, pixels)) fail(one_line(output->geterror()));
   if (!output->close()) fail(one_line(output->geterror()));
   std::error_code failure;
-  std::filesystem::rename(temporary, path, failure);
+  std::filesystem::rename(temporary, target.path, failure);
   if (failure) fail(failure.message());
 }
 

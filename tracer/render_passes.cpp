@@ -65,7 +65,8 @@ ShaderText render_shader(RenderPass pass, const ShadingVariant& variant, PassTap
   flag(variant.random == RandomKind::md5, "RANDOM_MD5");
   flag(variant.random == RandomKind::texture, "RANDOM_TEXTURE");
   flag(tap != PassTap::none, "TAP");
-  flag(tap == PassTap::lens_numbers, "TAP_LENS");
+  flag(tap == PassTap::places || tap == PassTap::lens_places, "TAP_PLACES");
+  flag(tap == PassTap::lens_numbers || tap == PassTap::lens_places, "TAP_LENS");
   const bool draws = pass == RenderPass::camera || pass == RenderPass::light || pass == RenderPass::scatter;
   std::vector<std::string_view> files;
   if (pass != RenderPass::count_rays) {

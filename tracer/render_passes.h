@@ -20,7 +20,7 @@ namespace plumbline {
 enum class RenderPass { camera, light, add_light, scatter, channels, count_rays };
 
 /// What a pass hands out in place of its first target, for taps.
-enum class PassTap { none, numbers, lens_numbers };
+enum class PassTap { none, numbers, places, lens_numbers, lens_places };
 
 /// A part of the picture in some frames, as shaders/item.glsl lays it out.
 struct RenderBatch {

@@ -275,7 +275,7 @@ struct Renderer::Impl {
     if (bounce >= settings.effects->depth || (!reflects && !refracts)) return;
     const FloatTargets<4>& into = children[bounce + 1];
     draw_shading(RenderPass::scatter, PassTap::none, ray, 0, rays, hits, into.framebuffer);
-    if (tap != nullptr) tap_numbers(RenderPass::scatter, PassTap::numbers, ray, 0, 5, rays, &hits);
+    if (tap != nullptr) tap_numbers(RenderPass::scatter, ray, 0, 5, rays, hits);
     if (reflects) follow(2 * ray, bounce + 1, {&into.textures[0], &into.textures[1]});
     if (refracts) follow(2 * ray + 1, bounce + 1, {&into.textures[2], &into.textures[3]});
   }
@@ -290,7 +290,7 @@ struct Renderer::Impl {
 
   void add_light(std::uint32_t ray, std::uint32_t light, const RayTextures& rays, const HitTargets& hits) {
     draw_shading(RenderPass::light, PassTap::none, ray, light, rays, hits, shadow.framebuffer);
-    if (tap != nullptr) tap_numbers(RenderPass::light, PassTap::numbers, ray, light, 8 + 3 * light, rays, &hits);
+    if (tap != nullptr) tap_numbers(RenderPass::light, ray, light, 8 + 3 * light, rays, hits);
     const RayTextures asking{&shadow.textures[0], &shadow.textures[1]};
     const std::uint32_t asked = count_rays(asking);
     if (asked == 0 && light > 0) return;
@@ -397,13 +397,18 @@ struct Renderer::Impl {
     return true;
   }
 
-  RenderedPicture picture() {
+  RenderedPicture moments() {
     RenderedPicture result;
     result.width = settings.width, result.height = settings.height;
-    AccumulatedMoments moments = accumulator.read();
-    result.frames = moments.frames;
-    result.mean = std::move(moments.mean);
-    result.variance = std::move(moments.variance);
+    AccumulatedMoments read = accumulator.read();
+    result.frames = read.frames;
+    result.mean = std::move(read.mean);
+    result.variance = std::move(read.variance);
+    return result;
+  }
+
+  RenderedPicture picture() {
+    RenderedPicture result = moments();
     const std::size_t pixels = static_cast<std::size_t>(settings.width) * static_cast<std::size_t>(settings.height);
     result.depth.resize(pixels), result.normal.resize(pixels);
     result.primitive.resize(pixels), result.instance.resize(pixels), result.steps.resize(pixels);
@@ -475,20 +480,26 @@ struct Renderer::Impl {
     return read(alone, 0);
   }
 
-  void tap_numbers(RenderPass kind, PassTap tap_kind, std::uint32_t ray, std::uint32_t light, std::uint32_t first,
-                   const RayTextures& rays, const HitTargets* hits) {
+  void tap_numbers(RenderPass kind, std::uint32_t ray, std::uint32_t light, std::uint32_t first,
+                   const RayTextures& rays, const HitTargets& hits) {
     if (!tapped) tapped = FloatTargets<3>(*context);
-    draw_shading(kind, tap_kind, ray, light, rays, *hits, tapped.framebuffer);
+    draw_shading(kind, PassTap::numbers, ray, light, rays, hits, tapped.framebuffer);
     tap->numbers(tapped_batch(), ray, first, read(tapped.framebuffer, 0));
+    draw_shading(kind, PassTap::places, ray, light, rays, hits, tapped.framebuffer);
+    tap->places(tapped_batch(), ray, first, read(tapped.framebuffer, 0));
   }
 
   void tap_camera() {
     if (!tapped) tapped = FloatTargets<3>(*context);
-    for (const PassTap kind : {PassTap::numbers, PassTap::lens_numbers}) {
+    for (const PassTap kind : {PassTap::numbers, PassTap::lens_numbers, PassTap::lens_places}) {
       const GlProgram& pass = begin(RenderPass::camera, kind, 1, 0);
       set_camera(pass, false);
       draw(pass, tapped.framebuffer);
-      tap->numbers(tapped_batch(), 1, kind == PassTap::numbers ? 0 : 2, read(tapped.framebuffer, 0));
+      const std::vector<glm::vec4> told_of = read(tapped.framebuffer, 0);
+      if (kind == PassTap::lens_places)
+        tap->places(tapped_batch(), 1, 2, told_of);
+      else
+        tap->numbers(tapped_batch(), 1, kind == PassTap::numbers ? 0 : 2, told_of);
     }
   }
 
@@ -519,6 +530,7 @@ std::optional<RenderedPicture> Renderer::render(const RenderProgress& progress) 
   return picture();
 }
 
+RenderedPicture Renderer::moments() { return impl_->moments(); }
 void Renderer::set_tap(RenderTap* tap) { impl_->tap = tap; }
 std::uint64_t Renderer::rays_traced() const { return impl_->rays_traced; }
 std::uint64_t Renderer::passes() const { return impl_->passes; }

@@ -70,6 +70,9 @@ class RenderTap {
   /// place in the pixel) for each item. Items that have drawn none have zeros.
   virtual void numbers(const TappedBatch& batch, std::uint32_t ray, std::uint32_t first,
                        std::span<const glm::vec4> numbers) = 0;
+  /// The perturbations that these numbers became (SEMANTICS 7.4), likewise: of the lens, a light, or a normal.
+  virtual void places(const TappedBatch&, std::uint32_t /*ray*/, std::uint32_t /*first*/,
+                      std::span<const glm::vec4> /*places*/) {}
   /// The colours of the batch's samples.
   virtual void samples(const TappedBatch& batch, std::span<const glm::vec4> colors) = 0;
 };
@@ -96,6 +99,8 @@ class Renderer {
   void restart(double time);
   /// The picture of the frames added so far.
   RenderedPicture picture();
+  /// The same without what sharp rays tell: mean and variance alone.
+  RenderedPicture moments();
 
   /// restart, all frames of the settings, and the picture; nothing where `progress` ended it.
   std::optional<RenderedPicture> render(const RenderProgress& progress = {});

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "scenes/camera.h"
 #include "tracer/renderer.h"
 
 namespace plumbline {
@@ -217,9 +218,12 @@ TEST_CASE("A light within a surface, a mesh without area and sixty-four lights r
   CHECK(color_of(scene).r == Approx(64.0).epsilon(kFloat));
   scene.lights.clear();
   RenderSettings settings;
+  settings.effects = scene.effects;
+  settings.effects->antialias = false;
   Renderer by_default(context(), scene, settings);
   CHECK(by_default.lit_by_default());
-  CHECK(by_default.render()->mean[0].r > 0.1);
+  const glm::dvec3 l = glm::normalize(glm::dvec3(default_light(scene.camera).position) - glm::dvec3(0, 0, 1));
+  CHECK(by_default.render()->mean[0].r == Approx(0.5 * l.z).epsilon(kFloat));
 }
 
 }  // namespace plumbline

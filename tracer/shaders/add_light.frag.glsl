@@ -3,8 +3,7 @@
 
 uniform sampler2D u_brought, u_sum;
 
-// In w how many walks of the sample found no end. (A NaN in its place, given by `c ? NaN : x`, comes out of this driver
-// where c is false, too: Mesa 22.3.)
+// In w how many walks of the sample found no end.
 layout(location = 0) out vec4 out_0;
 
 void main() {

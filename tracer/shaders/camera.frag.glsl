@@ -26,7 +26,9 @@ void main() {
     vec3 shift = p.x * u_right.xyz + p.y * u_up.xyz + p.z * u_forward.xyz;
     origin = u_eye.xyz + shift;
     direction = u_up.w * s - shift;  // to the focal point, without the rounding of the eye's coordinates
-#ifdef TAP_LENS
+#if defined(TAP_LENS) && defined(TAP_PLACES)
+    used = vec4(in_lens(lens.xyz), 0.0);
+#elif defined(TAP_LENS)
     used = lens;
 #endif
   }

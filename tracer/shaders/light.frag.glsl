@@ -22,7 +22,11 @@ void main() {
   vec3 q = place.xyz;
   if (u_effects.y > 0.0 && place.w > 0.0) {
     used = random_block(pixel_number(), frame_number(), uint(u_sample.y), BLOCK_LIGHTS + uint(light));
-    q += place.w * in_ball(used.xyz);
+    vec3 p = in_ball(used.xyz);
+    q += place.w * p;
+#ifdef TAP_PLACES
+    used.xyz = p;
+#endif
   }
   vec3 l = unit(q - s.p);
   float along = dot(s.n, l);

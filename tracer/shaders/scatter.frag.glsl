@@ -14,7 +14,11 @@ void main() {
   vec3 n = s.n;
   if (reflects && s.glossy > 0.0) {
     used = random_block(pixel_number(), frame_number(), uint(u_sample.y), BLOCK_NORMAL);
-    vec3 sum = n + s.glossy * in_ball(used.xyz);
+    vec3 p = in_ball(used.xyz);
+    vec3 sum = n + s.glossy * p;
+#ifdef TAP_PLACES
+    used.xyz = p;
+#endif
     n = sum == vec3(0.0) ? n : unit(sum);
   }
   vec3 above = s.p + s.delta * s.facing;

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Messages in either direction are a letter, a length and as many bytes. Jobs are 'J'. Answers are 'P' (progress, a
+// number), 'A' (the answer), and what was thrown: 'I' (InputError), 'V' (EnvironmentError), 'X' (another).
+#include "harness/worker.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <mutex>
+
+#include "harness/clock.h"
+#include "scenes/error.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kFirstOfWorker = 100;      ///< descriptors of a worker's pipes; what is below, it closes
+constexpr double kProgressEvery = 0.05;  ///< seconds
+
+bool write_all(int descriptor, const char* bytes, std::size_t size) {
+  while (size > 0) {
+    const ssize_t written = ::write(descriptor, bytes, size);
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return false;
+    bytes += written, size -= static_cast<std::size_t>(written);
+  }
+  return true;
+}
+
+bool send(int descriptor, char kind, const std::string& text) {
+  std::array<char, 1 + sizeof(std::uint64_t)> head{kind};
+  const std::uint64_t size = text.size();
+  std::memcpy(head.data() + 1, &size, sizeof size);
+  return write_all(descriptor, head.data(), head.size()) && write_all(descriptor, text.data(), text.size());
+}
+
+enum class Received { all, ended, silent };
+
+/// Reads `size` bytes; `silent` where none came before `deadline` (none: waits for ever).
+Received receive(int descriptor, char* bytes, std::size_t size, std::optional<Clock::time_point> deadline) {
+  while (size > 0) {
+    if (deadline) {
+      const double left = std::chrono::duration<double>(*deadline - Clock::now()).count();
+      pollfd waiting{descriptor, POLLIN, 0};
+      const int ready = ::poll(&waiting, 1, static_cast<int>(std::ceil(1000.0 * std::fmin(std::fmax(left, 0.0), 1e6))));
+      if (ready < 0 && errno == EINTR) continue;
+      if (ready == 0) return Received::silent;
+    }
+    const ssize_t got = ::read(descriptor, bytes, size);
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) return Received::ended;
+    bytes += got, size -= static_cast<std::size_t>(got);
+  }
+  return Received::all;
+}
+
+Received receive(int descriptor, char& kind, std::string& text, std::optional<Clock::time_point> deadline) {
+  std::array<char, 1 + sizeof(std::uint64_t)> head{};
+  if (const Received r = receive(descriptor, head.data(), head.size(), deadline); r != Received::all) return r;
+  kind = head[0];
+  std::uint64_t size = 0;
+  std::memcpy(&size, head.data() + 1, sizeof size);
+  text.resize(size);
+  return receive(descriptor, text.data(), text.size(), deadline);
+}
+
+}  // namespace
+
+Worker::Worker(Serve serve) {
+  std::array<int, 2> jobs{-1, -1}, answers{-1, -1};
+  if (::pipe2(jobs.data(), O_CLOEXEC) != 0 || ::pipe2(answers.data(), O_CLOEXEC) != 0)
+    throw EnvironmentError(std::string("no pipe to a worker: ") + std::strerror(errno));
+  std::fflush(nullptr);  // or the worker would print it again
+  const pid_t parent = ::getpid();
+  process_ = ::fork();
+  if (process_ < 0) throw EnvironmentError(std::string("no process for a worker: ") + std::strerror(errno));
+  if (process_ == 0) {
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (::getppid() != parent) ::_exit(0);
+    // What it dies of is told by the parent; handlers of the parent's are not for here.
+    for (const int signal : {SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGSEGV, SIGTERM}) ::signal(signal, SIG_DFL);
+    // What this process has open, the lock on the journal first of all, is none of the worker's.
+    const int in = ::fcntl(jobs[0], F_DUPFD_CLOEXEC, kFirstOfWorker);
+    const int out = ::fcntl(answers[1], F_DUPFD_CLOEXEC, kFirstOfWorker);
+    ::close_range(3, kFirstOfWorker - 1, 0);
+    ::close_range(static_cast<unsigned>(std::max(in, out)) + 1, ~0U, 0);
+    live(serve, in, out);
+  }
+  ::close(jobs[0]);
+  ::close(answers[1]);
+  jobs_ = jobs[1], answers_ = answers[0];
+}
+
+void Worker::live(const Serve& serve, int jobs, int answers) {
+  std::mutex one_message;
+  Clock::time_point last{};
+  const JobProgress progress = [&](double share) {
+    const std::lock_guard lock(one_message);
+    if (seconds_since(last) < kProgressEvery) return;
+    last = Clock::now();
+    send(answers, 'P', std::to_string(share));
+  };
+  char kind = 0;
+  for (std::string job; receive(jobs, kind, job, std::nullopt) == Received::all;) {
+    std::string text;
+    try {
+      text = serve(job, progress);
+      kind = 'A';
+    } catch (const InputError& error) {
+      text = error.what(), kind = 'I';
+    } catch (const EnvironmentError& error) {
+      text = error.what(), kind = 'V';
+    } catch (const std::exception& error) {
+      text = error.what(), kind = 'X';
+    }
+    const std::lock_guard lock(one_message);
+    if (!send(answers, kind, text)) break;
+  }
+  std::fflush(nullptr);
+  ::_exit(0);  // not exit: what the parent made is not this process's to unmake
+}
+
+Worker::~Worker() { end(); }
+
+/// Kills the process where it still runs; how it ended.
+std::string Worker::end() {
+  if (process_ < 0) return "gone";
+  // One that ends by itself is given the time to; what it dies of is the answer.
+  int status = 0;
+  pid_t done = ::waitpid(process_, &status, WNOHANG);
+  if (done == 0) {
+    ::kill(process_, SIGKILL);
+    while ((done = ::waitpid(process_, &status, 0)) < 0 && errno == EINTR) {
+    }
+  }
+  process_ = -1;
+  ::close(jobs_);
+  ::close(answers_);
+  if (done > 0 && WIFSIGNALED(status)) {
+    const int signal = WTERMSIG(status);
+    return "crashed: " + std::string(strsignal(signal)) + " (signal " + std::to_string(signal) + ")" +
+           (signal == SIGKILL ? ", killed from outside or out of memory" : "");
+  }
+  return "ended with exit status " + std::to_string(WIFEXITED(status) ? WEXITSTATUS(status) : -1);
+}
+
+std::optional<std::string> Worker::ask(const std::string& job, double silent_seconds, const JobProgress& progress,
+                                       Death& death) {
+  const auto deadline = [&] {
+    return Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(silent_seconds));
+  };
+  char kind = 0;
+  std::string text;
+  // A worker that is gone takes no job: what it died of is told all the same, and this process is not to die of it.
+  struct sigaction ignored {
+  }, before{};
+  ignored.sa_handler = SIG_IGN;
+  ::sigaction(SIGPIPE, &ignored, &before);
+  const bool sent = process_ >= 0 && send(jobs_, 'J', job);
+  ::sigaction(SIGPIPE, &before, nullptr);
+  Received got = sent ? receive(answers_, kind, text, deadline()) : Received::ended;
+  while (got == Received::all && kind == 'P') {
+    progress(std::strtod(text.c_str(), nullptr));
+    got = receive(answers_, kind, text, deadline());
+  }
+  if (got == Received::silent) {
+    end();
+    char seconds[32];
+    std::snprintf(seconds, sizeof seconds, "%g", silent_seconds);
+    death.how = "hung: no sign of life for " + std::string(seconds) + " s, so it was killed";
+    return std::nullopt;
+  }
+  if (got == Received::ended) {
+    // The pipe closes a moment before the process can be waited for.
+    siginfo_t info{};
+    if (process_ >= 0) ::waitid(P_PID, static_cast<id_t>(process_), &info, WEXITED | WNOWAIT);
+    death.how = end();
+    return std::nullopt;
+  }
+  if (kind == 'I') throw InputError(text);
+  if (kind == 'V') throw EnvironmentError(text);
+  if (kind == 'X') throw std::runtime_error(text);
+  return text;
+}
+
+}  // namespace plumbline

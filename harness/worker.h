@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A process of its own that does jobs, so that one that crashes or hangs takes nothing else with it.
+#pragma once
+
+#include <sys/types.h>
+
+#include <functional>
+#include <optional>
+#include <string>
+
+namespace plumbline {
+
+/// Called with the share done, 0 to 1, by a job; any call is a sign of life.
+using JobProgress = std::function<void(double)>;
+
+/// Owns a forked process. It begins with what this one had in memory, and must be made before this process has threads
+/// or a GL context: they would not follow. It is killed when this goes, and when this process is killed.
+class Worker {
+ public:
+  using Serve = std::function<std::string(const std::string& job, const JobProgress& progress)>;
+
+  /// Throws EnvironmentError where no process can be made.
+  explicit Worker(Serve serve);
+  ~Worker();
+  Worker(const Worker&) = delete;
+  Worker& operator=(const Worker&) = delete;
+
+  /// What the process came to instead of an answer: "crashed: Segmentation fault (signal 11)". It is gone then.
+  struct Death {
+    std::string how;
+  };
+  /// Has `job` served. Nothing: see `death`. What `serve` throws is thrown here: InputError, EnvironmentError, others
+  /// as std::runtime_error. After `silent_seconds` without a sign of life the process is killed.
+  std::optional<std::string> ask(const std::string& job, double silent_seconds, const JobProgress& progress,
+                                 Death& death);
+
+ private:
+  [[noreturn]] void live(const Serve& serve, int jobs, int answers);
+  std::string end();
+
+  pid_t process_ = -1;
+  int jobs_ = -1, answers_ = -1;
+};
+
+}  // namespace plumbline
