@@ -45,7 +45,7 @@ std::string name_part(std::string name) {
 }
 
 constexpr std::uint64_t kNightlyRays = 21'000'000;
-constexpr std::uint64_t kNightlySamples = 1 << 20;  // for each point of a profile
+constexpr std::uint64_t kNightlyProfile = 1 << 20;  // samples for each point of a profile
 
 /// "20m", "90s", "1h", "600" (seconds).
 double parse_duration(const std::string& text) {
@@ -121,7 +121,7 @@ CatalogueOptions catalogue_options(std::vector<ListedScene> scenes, std::uint64_
 /// Of all scenes that are there.
 CatalogueOptions whole_catalogue(std::uint64_t rays, std::uint64_t total) {
   CatalogueOptions options = catalogue_options(every_scene(), rays, total);
-  if (rays == 0 && total > 0) options.profile_samples = kNightlySamples;
+  if (rays == 0 && total > 0) options.profile_samples = kNightlyProfile;
   options.pictures = effect_scenes();
   options.whole = true;
   if (rays == 0 && total > 0) options.captured_rays = kNightlyCaptured, options.paired_samples = kNightlyPaired;

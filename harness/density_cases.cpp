@@ -53,7 +53,7 @@ std::vector<Case> density_cases(const PerturbationSource& source) {
       Case c;
       c.name = "drt.densities." + source.name + "." + effect;
       if (!one_model) c.name += model == Effects::Model::paper ? ".paper" : ".physical";
-      c.feature = "drt";
+      c.feature = effect;
       c.paper = "7";
       c.proves = "Perturbations are uniform in the " + std::string(name_of(body_of(effect, model))) +
                  ", independent between dimensions, neighbouring pixels and frames.";

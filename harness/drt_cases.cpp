@@ -33,10 +33,15 @@ std::vector<DrtScene> scenes_for_all() {
 
 std::string model_name(Effects::Model model) { return model == Effects::Model::paper ? "paper" : "physical"; }
 
-Case named_case(const std::string& name, const DrtScene& scene, const std::string& proves) {
+/// The effect where there is one alone.
+std::string feature_of(const std::vector<std::string>& effects) {
+  return effects.size() == 1 ? effects.front() : "shading";
+}
+
+Case named_case(const std::string& name, const std::string& feature, const DrtScene& scene, const std::string& proves) {
   Case c;
   c.name = name;
-  c.feature = "drt";
+  c.feature = feature;
   c.scene = scene.name;
   c.spec = scene.spec;
   c.paper = "7";
@@ -47,7 +52,8 @@ Case named_case(const std::string& name, const DrtScene& scene, const std::strin
 Case comparison_case(const std::string& name, const DrtScene& scene, const std::string& proves,
                      const std::vector<std::string>& effects, Effects::Model model, const EngineUnderTest& engine,
                      Depth depth) {
-  Case c = named_case(name, scene, proves);
+  const bool bounces = name.find(".bounces.") != std::string::npos;
+  Case c = named_case(name, bounces ? "shading" : feature_of(effects), scene, proves);
   c.run = [=](CaseContext& context, const Case& self, CaseRecord& record) {
     const Scene prepared = drt_scene(self.spec);
     const PictureComparison result =
@@ -60,7 +66,8 @@ Case comparison_case(const std::string& name, const DrtScene& scene, const std::
 
 Case convergence_case(const std::string& name, const DrtScene& scene, const std::vector<std::string>& effects,
                       const EngineUnderTest& engine) {
-  Case c = named_case(name, scene, "The error against a long reference falls as one over the number of samples.");
+  Case c = named_case(name, feature_of(effects), scene,
+                      "The error against a long reference falls as one over the number of samples.");
   c.run = [=](CaseContext& context, const Case& self, CaseRecord& record) {
     const Scene prepared = drt_scene(self.spec);
     PictureSettings settings{32, 24, effects_of(prepared, effects, Effects::Model::paper), 0, 0.0};
@@ -127,7 +134,7 @@ std::vector<Case> model_bias_cases() {
   std::vector<Case> cases;
   for (const char* effect : {"soft_shadow", "dof", "glossy"}) {
     const DrtScene scene = scene_for(effect);
-    Case c = named_case("drt.model_bias." + std::string(effect) + "." + scene.name, scene,
+    Case c = named_case("drt.model_bias." + std::string(effect) + "." + scene.name, effect, scene,
                         "How far the paper's cube is from disc and ball: told in figures, and no error.");
     c.run = [effects = std::vector<std::string>{effect}](CaseContext& context, const Case& self, CaseRecord& record) {
       const Scene prepared = drt_scene(self.spec);
