@@ -94,7 +94,7 @@ TEST_CASE("A seed that is repeated is no new night, and NaN is found") {
   CHECK_FALSE(pooled({z_of_p(1.0), 0.0}, false, 9).found());
 }
 
-TEST_CASE("A case that became slower is found; a slow night, noise and another machine are not") {
+TEST_CASE("A case that became slower is found, a slow night, noise and another machine are not") {
   const TemporaryFolder folder;
   History history(folder.path() / "history.sqlite");
   constexpr int kCases = 40;

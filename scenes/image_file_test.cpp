@@ -110,9 +110,9 @@ TEST_CASE("Files that are no images are refused, targets that cannot be written 
   CHECK_THROWS_AS(read_image(folder.path()), InputError);
   CHECK_THROWS_AS(write_exr(folder.path() / "a.jpg", image), InputError);
   CHECK_THROWS_AS(write_exr(folder.path() / "no" / "such" / "folder.exr", image), EnvironmentError);
-  // The target stands in the way as a folder: the file beside it is gone again, and so is nothing else.
+  // A folder of that name stands in the way: nothing is written beside it, and nothing is gone.
   std::filesystem::create_directories(folder.path() / "taken.exr" / "in");
-  CHECK_THROWS_AS(write_exr(folder.path() / "taken.exr", image), EnvironmentError);
+  CHECK_THROWS_AS(write_exr(folder.path() / "taken.exr", image), InputError);
   for (const auto& entry : std::filesystem::directory_iterator(folder.path())) {
     CHECK(entry.path().filename().string().front() != '.');
   }
