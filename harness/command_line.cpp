@@ -45,7 +45,7 @@ std::string name_part(std::string name) {
 }
 
 constexpr std::uint64_t kNightlyRays = 21'000'000;
-constexpr std::uint64_t kNightlyProfile = 1 << 20;  // samples for each point of a profile
+constexpr std::uint64_t kNightlyProfile = 1 << 15;  // samples for each point of a profile
 
 /// "20m", "90s", "1h", "600" (seconds).
 double parse_duration(const std::string& text) {
@@ -250,7 +250,7 @@ int dispatch(int argc, char** argv) {
   auto* nightly_seed = nightly->add_option("--seed", a.seed, "Seed of all rays; the date if not given")->check(kSeed);
   auto* nightly_budget = nightly->add_option(
       "--budget", a.budget,
-      "Time for all, such as 20m: every case once, then more rays where they tell most; 15m if not given, or `none`");
+      "Time for all, such as 20m: every case once, then more rays where they tell most; 18m if not given, or `none`");
 
   CLI::App* run_sub = app.add_subcommand("run", "Run cases, such as `run hits.camera` or `run '*.creature'`");
   run_sub->add_option("PATTERN", a.patterns, "Names, prefixes or patterns with * and ?; all cases if none");
@@ -316,7 +316,7 @@ int dispatch(int argc, char** argv) {
   if (a.history.empty()) a.history = (std::filesystem::path(a.out).parent_path() / "plumbline-history.sqlite").string();
   if (*nightly) {
     if (nightly_seed->count() == 0) a.seed = seed_of_today();
-    if (nightly_budget->count() == 0) a.budget = "15m";
+    if (nightly_budget->count() == 0) a.budget = "18m";
     if (a.budget == "none") a.budget.clear();
     return run(a, options, whole_catalogue(a.rays, kNightlyRays));
   }

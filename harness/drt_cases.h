@@ -19,7 +19,7 @@ struct DrtOptions {
   std::string name;  ///< of the engine in case names: empty, or "texture" for drt.independent.texture.dof...
   bool pixels_independent = true;  ///< what its random numbers promise (SEMANTICS 7.1)
   double rounding = 0x1p-16;       ///< of its colours, as a share of them
-  std::uint32_t single_frames = 32, pair_frames = 6, all_frames = 12;  ///< of each of the 64 batches
+  std::uint32_t single_frames = 12, pair_frames = 3, all_frames = 4;  ///< of each of the 64 batches
 };
 
 /// `drt.independent.<effect>.<scene>.<model>` for each effect alone, on the scene that shows it best;

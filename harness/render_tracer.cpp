@@ -26,9 +26,11 @@ PictureAttributes tracer_attributes(const Renderer& renderer, const GlContext& c
   const BakeOptions& bake = used.bake;
   attributes["plumbline.random"] = name_of(used.random);
   attributes["plumbline.bundle"] = used.bundle.rays;
-  attributes["plumbline.variant"] = std::string(name_of(bake.layout)) + "," + name_of(bake.bounds) + "," +
-                                    name_of(bake.links) + "," + name_of(bake.transform_out) + "," +
-                                    name_of(bake.transform_list);
+  attributes["plumbline.variant"] =
+      std::string("layout=") + name_of(bake.layout) + ",bounds=" + name_of(bake.bounds) +
+      ",links=" + name_of(bake.links) + ",transform-out=" + name_of(bake.transform_out) +
+      ",transform-list=" + name_of(bake.transform_list) + ",image-width=" + std::to_string(bake.width) +
+      ",leaf-size=" + std::to_string(bake.tree.leaf_size) + ",tree-width=" + std::to_string(bake.tree.width);
   attributes["plumbline.driver"] = context.renderer() + ", " + context.version();
   return attributes;
 }
