@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "harness/version.h"
+#include "scenes/near_words.h"
 
 namespace plumbline {
 namespace {
@@ -54,22 +55,6 @@ const std::map<std::string, Examples>& all_examples() {
   return examples;
 }
 
-/// How many letters must be put in, taken out or exchanged to make one word of the other (Levenshtein).
-std::size_t distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i + 1;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t exchanged = diagonal + (a[i] != b[j]);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({exchanged, row[j] + 1, row[j + 1] + 1});
-    }
-  }
-  return row.back();
-}
-
 std::vector<const CLI::App*> commands_of(const CLI::App& app) {
   return app.get_subcommands([](const CLI::App*) { return true; });
 }
@@ -96,7 +81,7 @@ std::string troff(const std::string& text) {
 std::string words_alike(const std::string& word, const std::set<std::string>& words) {
   std::vector<std::pair<std::size_t, std::string>> near;
   for (const std::string& other : words)
-    if (const std::size_t d = distance(word, other); d <= 1 + (word.size() + 1) / 4) near.emplace_back(d, other);
+    if (const std::size_t d = edit_distance(word, other); d <= 1 + (word.size() + 1) / 4) near.emplace_back(d, other);
   std::sort(near.begin(), near.end());
   std::string text;
   for (std::size_t i = 0; i < near.size() && i < 3; ++i) text += (i ? ", " : "") + near[i].second;

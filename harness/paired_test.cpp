@@ -109,7 +109,7 @@ const std::vector<Fault> kFaults{
      "glossy",
      PairedEffects::aa,
      PairedStep::primary,
-     {"camera.frag.glsl", "- 0.5 + used.xy", "+ used.xy"}},
+     {"camera.frag.glsl", "(used.xy - 0.5)", "used.xy"}},
     {"glass left as it is entered",
      kGlass,
      PairedEffects::none,

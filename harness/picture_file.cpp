@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <sstream>
 
@@ -23,9 +24,15 @@ std::uint8_t stored(double value) {
   return static_cast<std::uint8_t>(std::lround(255.0f * to_srgb(static_cast<float>(linear))));
 }
 
+/// The shortest text that reads back as the same double.
+std::string shortest(double value) {
+  std::array<char, 32> text{};
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
+}
+
 struct EffectSwitch {
   const char* name;
-  bool Effects::* on;
+  bool Effects::*on;
 };
 constexpr std::array<EffectSwitch, 5> kSwitches{{{"aa", &Effects::antialias},
                                                  {"dof", &Effects::depth_of_field},
@@ -66,7 +73,7 @@ PictureAttributes picture_attributes(const std::string& engine, const std::strin
           {"plumbline.first_frame", static_cast<int>(first_frame)},
           {"plumbline.frames", static_cast<int>(frames)},
           {"plumbline.seed", std::to_string(seed)},
-          {"plumbline.time", static_cast<float>(time)},
+          {"plumbline.time", shortest(time)},
           {"plumbline.model", effects.model == Effects::Model::physical ? "physical" : "paper"},
           {"plumbline.effects", effect_names(effects)},
           {"plumbline.glossy", effects.glossy},
@@ -82,7 +89,7 @@ void require_picture_name(const std::filesystem::path& path) {
     throw InputError(path.string() + ": there is no folder " + folder.string() + "; make it first");
 }
 
-Image picture_image(const PictureFile& picture, const PictureAttributes& attributes) {
+Image picture_image(const RenderedPicture& picture, const PictureAttributes& attributes) {
   Image image;
   image.width = picture.width;
   image.height = picture.height;
@@ -91,13 +98,14 @@ Image picture_image(const PictureFile& picture, const PictureAttributes& attribu
   if (has_variance) image.channels.insert(image.channels.end(), {"variance.R", "variance.G", "variance.B"});
   image.channels.insert(image.channels.end(), {"depth", "normal.X", "normal.Y", "normal.Z", "primitive", "instance"});
   if (has_steps) image.channels.emplace_back("steps");
+  image.pixels.reserve(picture.mean.size() * image.channels.size());
   const auto add = [&](const auto& v) {
     for (int axis = 0; axis < 3; ++axis) image.pixels.push_back(static_cast<float>(v[axis]));
   };
   for (std::size_t i = 0; i < picture.mean.size(); ++i) {
     add(picture.mean[i]);
     if (has_variance) add(picture.variance[i]);
-    image.pixels.push_back(picture.depth[i]);
+    image.pixels.push_back(static_cast<float>(picture.depth[i]));
     add(picture.normal[i]);
     image.pixels.push_back(number_or_none(picture.primitive[i]));
     image.pixels.push_back(number_or_none(picture.instance[i]));
@@ -107,12 +115,13 @@ Image picture_image(const PictureFile& picture, const PictureAttributes& attribu
   return image;
 }
 
-std::uint64_t count_not_finite(const PictureFile& picture) {
+std::uint64_t count_not_finite(const RenderedPicture& picture) {
   return static_cast<std::uint64_t>(
       std::count_if(picture.mean.begin(), picture.mean.end(), [](const auto& color) { return !is_finite(color); }));
 }
 
-void write_picture(const PictureFile& picture, const PictureAttributes& attributes, const std::filesystem::path& output) {
+void write_picture(const RenderedPicture& picture, const PictureAttributes& attributes,
+                   const std::filesystem::path& output) {
   if (output.extension() == ".exr") {
     write_exr(output, picture_image(picture, attributes));
     return;

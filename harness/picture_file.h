@@ -9,21 +9,9 @@
 #include <vector>
 
 #include "scenes/image_file.h"
-#include "scenes/scene.h"
+#include "scenes/rendered_picture.h"
 
 namespace plumbline {
-
-/// A picture, row by row from the top.
-struct PictureFile {
-  int width = 0, height = 0;
-  std::uint32_t frames = 0;
-  std::vector<glm::dvec3> mean;                    ///< linear colour
-  std::vector<glm::dvec3> variance;                ///< of one sample, unbiased; empty for one frame
-  std::vector<float> depth;                        ///< infinite where nothing is hit
-  std::vector<glm::vec3> normal;                   ///< zero where nothing is hit
-  std::vector<std::uint32_t> primitive, instance;  ///< kNone for none
-  std::vector<std::uint32_t> steps;                ///< nodes visited; empty where the engine has none
-};
 
 /// "plumbline.seed" and the like, as they stand in the file.
 using PictureAttributes = std::map<std::string, ImageAttribute>;
@@ -37,16 +25,17 @@ std::string effect_names(const Effects& effects);
 /// Switches on the effects that a list names, and no others. Throws InputError for other names.
 void set_effects(const std::string& list, Effects& effects);
 
-/// Throws InputError for a name that ends in neither .exr nor .png, and for a folder that is not there: before anything is
-/// rendered.
+/// Throws InputError for a name that ends in neither .exr nor .png, and for a folder that is not there: before anything
+/// is rendered.
 void require_picture_name(const std::filesystem::path& path);
 
-Image picture_image(const PictureFile& picture, const PictureAttributes& attributes);
+Image picture_image(const RenderedPicture& picture, const PictureAttributes& attributes);
 
 /// Pixels with a NaN or an infinity.
-std::uint64_t count_not_finite(const PictureFile& picture);
+std::uint64_t count_not_finite(const RenderedPicture& picture);
 
 /// Writes `output`, by its ending.
-void write_picture(const PictureFile& picture, const PictureAttributes& attributes, const std::filesystem::path& output);
+void write_picture(const RenderedPicture& picture, const PictureAttributes& attributes,
+                   const std::filesystem::path& output);
 
 }  // namespace plumbline

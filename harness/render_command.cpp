@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The command `render`: a scene becomes a picture, or a sequence of them.
+#include <charconv>
 #include <chrono>
 #include <cstdio>
 #include <memory>
@@ -8,8 +9,8 @@
 #include "harness/commands.h"
 #include "harness/picture_file.h"
 #include "harness/progress.h"
-#include "harness/render_reference.h"
 #include "harness/render_tracer.h"
+#include "reference/renderer.h"
 #include "reports/format.h"
 #include "scenes/error.h"
 
@@ -23,9 +24,11 @@ struct RenderArguments {
 };
 
 void parse_size(const std::string& text, RenderSettings& settings) {
-  int used = 0;
-  if (std::sscanf(text.c_str(), "%dx%d%n", &settings.width, &settings.height, &used) != 2 ||
-      used != static_cast<int>(text.size()) || settings.width < 1 || settings.height < 1)
+  const char* const end = text.data() + text.size();
+  const auto [x, width_error] = std::from_chars(text.data(), end, settings.width);
+  const bool has_x = width_error == std::errc() && x != end && *x == 'x';
+  const auto [last, height_error] = std::from_chars(has_x ? x + 1 : end, end, settings.height);
+  if (!has_x || height_error != std::errc() || last != end || settings.width < 1 || settings.height < 1)
     throw InputError("--size takes WIDTHxHEIGHT, such as 640x480; it is '" + text + "'");
 }
 
@@ -38,7 +41,7 @@ class Engine {
  public:
   virtual ~Engine() = default;
   virtual bool lit_by_default() const = 0;
-  virtual PictureFile render(double time, const RenderProgress& progress) = 0;
+  virtual RenderedPicture render(double time, const RenderProgress& progress) = 0;
   virtual PictureAttributes attributes(double time) const = 0;
 };
 
@@ -47,11 +50,11 @@ class TracerEngine final : public Engine {
   TracerEngine(const Scene& scene, const std::string& spec, const RenderSettings& settings)
       : renderer_(context_, scene, settings), spec_(spec) {}
   bool lit_by_default() const override { return renderer_.lit_by_default(); }
-  PictureFile render(double time, const RenderProgress& progress) override {
+  RenderedPicture render(double time, const RenderProgress& progress) override {
     const RenderSettings& settings = renderer_.settings();
     renderer_.restart(time);
     renderer_.add_frames(settings.first_frame, settings.frames, progress);
-    return picture_file(renderer_.picture());
+    return renderer_.picture();
   }
   PictureAttributes attributes(double time) const override {
     return tracer_attributes(renderer_, context_, spec_, time);
@@ -65,7 +68,8 @@ class TracerEngine final : public Engine {
 
 class ReferenceEngine final : public Engine {
  public:
-  ReferenceEngine(const Scene& scene, const std::string& spec, const RenderSettings& asked) : scene_(scene), spec_(spec) {
+  ReferenceEngine(const Scene& scene, const std::string& spec, const RenderSettings& asked)
+      : scene_(scene), spec_(spec) {
     settings_.width = asked.width, settings_.height = asked.height;
     settings_.frames = asked.frames, settings_.first_frame = asked.first_frame;
     settings_.seed = asked.seed;
@@ -73,9 +77,9 @@ class ReferenceEngine final : public Engine {
     prepare(asked.time);
   }
   bool lit_by_default() const override { return renderer_->lit_by_default(); }
-  PictureFile render(double time, const RenderProgress& progress) override {
+  RenderedPicture render(double time, const RenderProgress& progress) override {
     prepare(time);
-    return picture_file(*renderer_->render(progress));
+    return *renderer_->render(progress);
   }
   PictureAttributes attributes(double time) const override {
     const ReferenceSettings& used = renderer_->settings();
@@ -106,14 +110,16 @@ void render_one(Engine& engine, const RenderArguments& a, double time, const std
                 const std::string& what) {
   const auto start = std::chrono::steady_clock::now();
   Progress progress;
-  const PictureFile picture = engine.render(time, [&](double share) {
+  const RenderedPicture picture = engine.render(time, [&](double share) {
     progress.show(share, what);
     return true;
   });
   progress.clear();
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const std::uint64_t wrong = count_not_finite(picture);
-  if (wrong > 0) std::fprintf(stderr, "warning: %s not finite\n", counted(wrong, "pixel").c_str());
+  if (wrong > 0)
+    std::fprintf(stderr, "warning: %s not finite (black in a PNG, NaN or infinite in an EXR)\n",
+                 counted(wrong, "pixel").c_str());
   write_picture(picture, engine.attributes(time), output);
   const double samples = static_cast<double>(picture.mean.size()) * picture.frames;
   std::printf("%s: %d x %d pixels, %s by the %s, %s, %s samples per second\n", output.c_str(), picture.width,
@@ -142,10 +148,8 @@ int render_scene(RenderArguments a) {
   } else {
     engine = std::make_unique<ReferenceEngine>(scene, a.scene, a.settings);
   }
-  if (engine->lit_by_default())
-    std::fprintf(stderr, "warning: the scene has no light; one beside the eye lights it\n");
-  if (!scene.has_camera)
-    std::fprintf(stderr, "warning: the scene has no camera; this view shows all of it\n");
+  if (engine->lit_by_default()) std::fprintf(stderr, "warning: the scene has no light; one beside the eye lights it\n");
+  if (!scene.has_camera) std::fprintf(stderr, "warning: the scene has no camera; this view shows all of it\n");
   if (a.images == 0) render_one(*engine, a, a.settings.time, a.output, "rendering");
   for (std::uint32_t i = 0; i < a.images; ++i) {
     const double share = a.images > 1 ? static_cast<double>(i) / (a.images - 1) : 0.0;
@@ -188,7 +192,8 @@ void add_render_command(CLI::App& app, Commands& commands) {
   sub->add_option("--random", a->random, "Random numbers of the tracer: a hash, MD5, or the paper's noise texture")
       ->check(CLI::IsMember({"hash", "md5", "texture"}))
       ->capture_default_str();
-  sub->add_option("--bundle", a->settings.bundle.rays, "Samples of a pixel whose rays walk the tree together")
+  sub->add_option("--bundle", a->settings.bundle.rays,
+                  "Rays that walk the tree together: samples of a pixel, or neighbours")
       ->check(CLI::Range(1, 4))
       ->capture_default_str();
   add_bake_options(*sub, a->settings.bake);

@@ -1,22 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "harness/render_tracer.h"
 
-#include <utility>
-
 namespace plumbline {
-
-PictureFile picture_file(RenderedPicture rendered) {
-  return {rendered.width,
-          rendered.height,
-          rendered.frames,
-          std::move(rendered.mean),
-          std::move(rendered.variance),
-          std::move(rendered.depth),
-          std::move(rendered.normal),
-          std::move(rendered.primitive),
-          std::move(rendered.instance),
-          std::move(rendered.steps)};
-}
 
 PictureAttributes tracer_attributes(const Renderer& renderer, const GlContext& context, const std::string& scene,
                                     double time) {

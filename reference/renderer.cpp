@@ -17,7 +17,6 @@ namespace plumbline {
 namespace {
 
 constexpr int kTile = 16;            ///< side of a tile, pixels
-constexpr int kLargestSide = 65536;  ///< of a picture, pixels
 
 /// Mean and sum of squared deviations of samples that come one by one (Welford 1962): nothing cancels, and in double
 /// the mean of 10^9 samples is within 10^-7 of an ulp of a float.
@@ -34,12 +33,8 @@ struct Accumulator {
 };
 
 ReferenceSettings completed(const Scene& scene, ReferenceSettings settings) {
-  if (settings.width == 0 && settings.height == 0)
-    settings.width = scene.camera.width, settings.height = scene.camera.height;
-  if (settings.width < 1 || settings.height < 1 || settings.width > kLargestSide || settings.height > kLargestSide)
-    throw InputError("a picture has 1 to 65536 pixels each way");
-  if (settings.frames < 1) throw InputError("a picture needs at least one frame");
-  if (!std::isfinite(settings.time)) throw InputError("the time of a picture must be finite");
+  complete_picture_request(scene.camera, settings.width, settings.height, settings.first_frame, settings.frames,
+                           settings.time);
   if (!settings.effects) settings.effects = scene.effects;
   return settings;
 }
@@ -74,8 +69,7 @@ struct ReferenceRenderer::Impl {
     prepared.aperture = static_cast<double>(scene.camera.aperture);
     prepared.focus = focus_distance(scene.camera);
     prepared.effects = *settings.effects;
-    if (prepared.effects.depth_of_field && !(prepared.aperture < prepared.focus))
-      throw InputError("camera: 'aperture' must be less than the distance of what is sharp");
+    if (prepared.effects.depth_of_field) require_lens_before_focus(scene.camera);
   }
 
   static Scene at_time(const Scene& given, double time) {
@@ -122,7 +116,7 @@ struct ReferenceRenderer::Impl {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(settings.width) + static_cast<std::size_t>(x);
   }
 
-  void trace_sharp(int x, int y, ReferencePicture& picture) const {
+  void trace_sharp(int x, int y, RenderedPicture& picture) const {
     const CameraFrame& camera = prepared.camera;
     const glm::dvec3 through = camera.forward + camera.pixel * (x - camera.centre_x) * camera.right +
                                camera.pixel * (camera.centre_y - y) * camera.up;
@@ -148,13 +142,15 @@ void ReferenceRenderer::set_frames(std::uint32_t first, std::uint32_t count) {
   impl_->settings.frames = count;
 }
 
-std::optional<ReferencePicture> ReferenceRenderer::render(const ReferenceProgress& progress,
+std::optional<RenderedPicture> ReferenceRenderer::render(const ReferenceProgress& progress,
                                                           const RandomSource* numbers) {
   Impl& impl = *impl_;
   const RandomSource& source = numbers != nullptr ? *numbers : impl.own_numbers;
   const ReferenceSettings& settings = impl.settings;
   const std::size_t count = static_cast<std::size_t>(settings.width) * static_cast<std::size_t>(settings.height);
-  ReferencePicture picture{settings.width, settings.height, settings.frames, {}, {}, {}, {}, {}, {}};
+  RenderedPicture picture;
+  picture.width = settings.width, picture.height = settings.height;
+  picture.frames = settings.frames;
   picture.depth.assign(count, std::numeric_limits<double>::infinity());
   picture.normal.assign(count, glm::dvec3(0.0));
   picture.primitive.assign(count, kNone);

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "reference/sample.h"
+#include "scenes/rendered_picture.h"
 
 namespace plumbline {
 
@@ -18,17 +19,6 @@ struct ReferenceSettings {
   std::uint64_t seed = 0;               ///< of the renderer's own numbers
   double time = 0.0;                    ///< of the picture, seconds
   std::optional<Effects> effects = {};  ///< instead of the scene's
-};
-
-/// A picture, row by row from the top. The sharp ray's values are those of SEMANTICS 6.9.
-struct ReferencePicture {
-  int width = 0, height = 0;
-  std::uint32_t frames = 0;
-  std::vector<glm::dvec3> mean;                    ///< linear colour
-  std::vector<glm::dvec3> variance;                ///< of one sample, unbiased; empty for one frame
-  std::vector<double> depth;                       ///< infinite where nothing is hit
-  std::vector<glm::dvec3> normal;                  ///< N; zero where nothing is hit
-  std::vector<std::uint32_t> primitive, instance;  ///< kNone for none
 };
 
 /// Called with the share that is done, by one thread at a time; false ends the rendering.
@@ -49,7 +39,7 @@ class ReferenceRenderer {
 
   /// The picture, on all cores. It depends on the settings alone, not on the number of threads. `numbers`: null for the
   /// renderer's own. Nothing where `progress` ended it.
-  std::optional<ReferencePicture> render(const ReferenceProgress& progress = {}, const RandomSource* numbers = nullptr);
+  std::optional<RenderedPicture> render(const ReferenceProgress& progress = {}, const RandomSource* numbers = nullptr);
 
   /// The colour of one sample and, where it is asked for, its record.
   glm::dvec3 sample(std::uint32_t x, std::uint32_t y, std::uint32_t frame, SampleRecord* record = nullptr,

@@ -87,8 +87,4 @@ class JsonPlace {
   const JsonValue* value_;
 };
 
-/// " (did you mean 'scale'?)" where one of the known words is near, else empty.
-std::string did_you_mean(std::string_view word, std::initializer_list<std::string_view> known);
-std::string did_you_mean(std::string_view word, const std::vector<std::string>& known);
-
 }  // namespace plumbline

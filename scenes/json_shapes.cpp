@@ -10,6 +10,7 @@
 #include "scenes/generate_texture.h"
 #include "scenes/text_file.h"
 #include "scenes/texture.h"
+#include "scenes/near_words.h"
 
 namespace plumbline {
 namespace {

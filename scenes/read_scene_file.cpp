@@ -18,6 +18,7 @@
 #include "scenes/random.h"
 #include "scenes/read.h"
 #include "scenes/text_file.h"
+#include "scenes/near_words.h"
 
 namespace plumbline {
 namespace {

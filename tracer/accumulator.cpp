@@ -69,7 +69,6 @@ Accumulator::Tile& Accumulator::tile_of(const RenderBatch& batch) {
   Tile tile;
   tile.x = batch.tile_x, tile.y = batch.tile_y, tile.width = batch.tile_width, tile.height = batch.tile_height;
   tile.now = Targets(*context_, tile.width, tile.height);
-  tile.next = Targets(*context_, tile.width, tile.height);
   return tiles_.emplace_back(std::move(tile));
 }
 
@@ -88,10 +87,17 @@ void Accumulator::add(const GlTexture& samples, const RenderBatch& batch) {
   }
 }
 
+Accumulator::Spare& Accumulator::spare_of(int width, int height) {
+  for (Spare& spare : spares_)
+    if (spare.width == width && spare.height == height) return spare;
+  return spares_.emplace_back(Spare{width, height, Targets(*context_, width, height)});
+}
+
 void Accumulator::draw(Tile& tile, const GlTexture& samples, const RenderBatch& batch, std::uint32_t first,
                        std::uint32_t end) {
   static constexpr std::array<const char*, 4> kNames{"u_kept_0", "u_kept_1", "u_kept_2", "u_kept_3"};
   const GlFunctions& gl = context_->use();
+  Spare& spare = spare_of(tile.width, tile.height);
   program_.use();
   samples.bind(0);
   program_.set("u_samples", 0);
@@ -103,10 +109,10 @@ void Accumulator::draw(Tile& tile, const GlTexture& samples, const RenderBatch& 
   program_.set("u_factor", glm::vec4(1.0f));
   program_.set("u_layout", glm::ivec4(batch.lanes, tile.height, static_cast<int>(first), static_cast<int>(end)));
   program_.set("u_is_new", tile.in_chunk == 0 ? 1 : 0);
-  gl.BindFramebuffer(GL_FRAMEBUFFER, tile.next.framebuffer.name());
+  gl.BindFramebuffer(GL_FRAMEBUFFER, spare.targets.framebuffer.name());
   gl.Disable(GL_DITHER);
   program_.draw(tile.width, tile.height);
-  std::swap(tile.now, tile.next);
+  std::swap(tile.now, spare.targets);
   context_->check("adding samples");
 }
 

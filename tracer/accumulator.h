@@ -54,12 +54,19 @@ class Accumulator {
   };
   struct Tile {
     int x = 0, y = 0, width = 0, height = 0;
-    Targets now, next;
+    Targets now;
     std::uint32_t in_chunk = 0, in_moments = 0;  ///< samples of each pixel
     std::vector<Moments> moments;
   };
 
+  /// What the next sums of a tile are drawn into, before the two change places: one for all tiles of a size.
+  struct Spare {
+    int width = 0, height = 0;
+    Targets targets;
+  };
+
   Tile& tile_of(const RenderBatch& batch);
+  Spare& spare_of(int width, int height);
   void draw(Tile& tile, const GlTexture& samples, const RenderBatch& batch, std::uint32_t first, std::uint32_t end);
   /// The moments of all samples of a tile.
   std::vector<Moments> moments_of(const Tile& tile) const;
@@ -68,6 +75,7 @@ class Accumulator {
   int width_, height_;
   GlProgram program_;
   std::vector<Tile> tiles_;
+  std::vector<Spare> spares_;
 };
 
 }  // namespace plumbline

@@ -23,7 +23,7 @@ struct GlContext::Impl {
   std::array<std::uint8_t, 4> window{};  // OSMesa wants a colour buffer; everything is drawn into textures instead
   GlFunctions functions;
   std::string renderer, version;
-  int max_texture_size = 0;
+  int max_texture_size = 0, max_buffer_texels = 0;
 
   ~Impl() {
     if (context != nullptr) OSMesaDestroyContext(context);
@@ -74,6 +74,7 @@ GlContext::GlContext() : impl_(std::make_unique<Impl>()) {
   impl_->renderer = reinterpret_cast<const char*>(gl.GetString(GL_RENDERER));
   impl_->version = reinterpret_cast<const char*>(gl.GetString(GL_VERSION));
   gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &impl_->max_texture_size);
+  gl.GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &impl_->max_buffer_texels);
 }
 
 GlContext::~GlContext() = default;
@@ -88,6 +89,7 @@ const GlFunctions& GlContext::use() {
 const std::string& GlContext::renderer() const { return impl_->renderer; }
 const std::string& GlContext::version() const { return impl_->version; }
 int GlContext::max_texture_size() const { return impl_->max_texture_size; }
+int GlContext::max_buffer_texels() const { return impl_->max_buffer_texels; }
 
 void GlContext::check(const char* doing) {
   const GLenum error = use().GetError();

@@ -93,6 +93,7 @@ class GlContext {
   const std::string& renderer() const;  ///< GL_RENDERER, "llvmpipe (LLVM 15.0.6, 256 bits)"
   const std::string& version() const;   ///< GL_VERSION, "4.5 (Core Profile) Mesa 22.3.6"
   int max_texture_size() const;         ///< texels per side
+  int max_buffer_texels() const;        ///< of a buffer texture
 
   /// Throws EnvironmentError naming `doing` if the driver has recorded an error since the last call.
   void check(const char* doing);

@@ -47,12 +47,22 @@ void set_pass(const GlProgram& program, const PassConstants& constants, const gl
   program.set("u_range", range);
 }
 
+void require_fitting_texels(GlContext& context, std::size_t texels, const std::string& what,
+                            const std::string& instead) {
+  if (texels <= static_cast<std::size_t>(context.max_buffer_texels())) return;
+  throw InputError(what + " is " + std::to_string(texels) + " texels, but buffer textures of this OpenGL driver (" +
+                   context.renderer() + ") end at " + std::to_string(context.max_buffer_texels()) + "; " + instead);
+}
+
 void require_fitting_image(GlContext& context, const GeometryImage& image) {
-  if (std::max(image.width, image.height) > context.max_texture_size()) {
-    throw InputError("the geometry image of " + image.scene_name + " is " + std::to_string(image.width) + " x " +
-                     std::to_string(image.height) + " texels, but textures of this OpenGL driver (" +
-                     context.renderer() + ") end at " + std::to_string(context.max_texture_size()) +
-                     "; bake with links `threaded` or a smaller scene");
+  const std::string what = "the geometry image of " + image.scene_name;
+  const std::string instead = "bake with links `threaded` or a smaller scene";
+  if (image.options.layout == Layout::compact) {
+    require_fitting_texels(context, image.texels.size(), what, instead);
+  } else if (std::max(image.width, image.height) > context.max_texture_size()) {
+    throw InputError(what + " is " + std::to_string(image.width) + " x " + std::to_string(image.height) +
+                     " texels, but textures of this OpenGL driver (" + context.renderer() + ") end at " +
+                     std::to_string(context.max_texture_size()) + "; " + instead);
   }
 }
 

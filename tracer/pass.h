@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <span>
+#include <string>
 
 #include "scenes/ray.h"
 #include "tracer/geometry_image.h"
@@ -33,6 +34,10 @@ void set_pass(const GlProgram& program, const PassConstants& constants, const gl
 
 /// Throws InputError for an image that is larger than the driver's textures.
 void require_fitting_image(GlContext& context, const GeometryImage& image);
+/// The same for texels of a buffer texture, where the driver would cut what is too much off without a word. `what`
+/// names them: "the textures of medieval"; `instead` tells what to do.
+void require_fitting_texels(GlContext& context, std::size_t texels, const std::string& what,
+                            const std::string& instead);
 /// An image that fits, as a texture.
 GlTexture upload_image(GlContext& context, const GeometryImage& image);
 /// Uploads the texels of an image that have changed, and no others; returns how many.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The production shader against brute force, bit for bit, and against double precision, within derived bounds.
+#include "tracer/pass.h"
 #include "tracer/probe.h"
 
 #include <array>
@@ -442,7 +443,14 @@ TEST_CASE("a probe changes images, and two probes do not disturb one another", "
 }
 
 TEST_CASE("an image larger than the driver's textures is refused", "[probe]") {
-  GeometryImage image = bake(generate_scene("tetra", 2));
+  BakeOptions paper;
+  paper.layout = Layout::paper;
+  GeometryImage image = bake(generate_scene("tetra", 2), paper);
   image.width = 2 * context().max_texture_size();
   CHECK_THROWS_WITH(Probe(context(), image), Contains(std::to_string(context().max_texture_size())));
+  // A buffer texture that is too long would be cut off by the driver without a word.
+  const auto most = static_cast<std::size_t>(context().max_buffer_texels());
+  CHECK(most >= 65536);
+  CHECK_NOTHROW(require_fitting_texels(context(), most, "it", "use less"));
+  CHECK_THROWS_WITH(require_fitting_texels(context(), most + 1, "it", "use less"), Contains(std::to_string(most)));
 }

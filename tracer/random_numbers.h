@@ -36,6 +36,8 @@ class NoiseImage {
   std::uint32_t most_frames() const;
   /// Makes the layers of frames first to first + count - 1; count is at most most_frames().
   void go_to(std::uint32_t first, std::uint32_t count);
+  std::uint32_t first_frame() const { return first_; }  ///< of the layers at hand
+  bool is_made() const { return count_ > 0; }           ///< false before the first go_to
   void bind(int unit) const { texture_.bind(unit); }
 
  private:

@@ -43,7 +43,6 @@ struct RayWalk::Impl {
   FloatTargets<1> counted;
   GlProgram count_program;
   GlSampleCount count;
-  std::uint64_t resumed = 0;
 
   Impl(GlContext& c, const GeometryImage& image, int rays, std::span<const ShaderPatch> p)
       : context(&c), bundle(rays), patches(p.begin(), p.end()) {
@@ -79,20 +78,20 @@ struct RayWalk::Impl {
   const GlProgram& program(const ProgramVariant& wanted) {
     for (const auto& [known, compiled] : programs)
       if (known == wanted) return compiled;
-    GlProgram compiled(*context, link_program(*context, probe_vertex_shader(), probe_fragment_shader(wanted, patches)));
+    const std::vector<ShaderPatch> own = patches_for(probe_fragment_shader(wanted), patches);
+    GlProgram compiled(*context, link_program(*context, probe_vertex_shader(), probe_fragment_shader(wanted, own)));
     return programs.emplace_back(wanted, std::move(compiled)).second;
   }
 
-  void draw(const ProgramVariant& wanted, const RayTextures& rays, bool goes_on, const GlFramebuffer& into,
-            int columns, int rows) {
+  void draw(const ProgramVariant& wanted, const RayTextures& rays, bool goes_on, const GlFramebuffer& into, int columns,
+            int rows) {
     const GlProgram& pass = program(wanted);
     const GlFunctions& gl = context->use();
     geometry.bind(kGeometryUnit);
     rays.origins->bind(kOriginUnit);
     rays.directions->bind(kDirectionUnit);
     pass.use();
-    set_pass(pass, constants,
-             {constants.scale_exponent, goes_on ? 1 : 0, constants.shape.w, 0});
+    set_pass(pass, constants, {constants.scale_exponent, goes_on ? 1 : 0, constants.shape.w, 0});
     pass.set("u_ray_origins", kOriginUnit);
     pass.set("u_ray_directions", kDirectionUnit);
     // Samplers of different kinds may not share a unit, read or not.
@@ -118,17 +117,19 @@ struct RayWalk::Impl {
     return count.end();
   }
 
-  const HitTargets& trace(const RayTextures& rays, int columns, int rows, RayQuery query) {
+  const HitTargets& trace(const RayTextures& rays, int columns, int rows, RayQuery query, bool together) {
     PLUMBLINE_ASSERT(columns % bundle == 0);
     Turns& turns = hits[query == RayQuery::any ? 1 : 0];
     ProgramVariant pass = variant;
     pass.any_hit = query == RayQuery::any;
-    if (bundle == 1) {
+    if (bundle == 1 || !together) {
+      // Nothing is read from there, but what is drawn into must not be at hand for reading either.
+      bind_state(std::span(turns.next.textures).first(static_cast<std::size_t>(target_count)));
       draw(pass, rays, false, turns.now.framebuffer, columns, rows);
     } else {
-      ProgramVariant together = pass, finish = pass;
-      together.bundle = bundle;
-      draw(together, rays, false, found_framebuffer, columns / bundle, rows);
+      ProgramVariant bundled = pass, finish = pass;
+      bundled.bundle = bundle;
+      draw(bundled, rays, false, found_framebuffer, columns / bundle, rows);
       finish.finish = true;
       finish.found_bundle = bundle;
       bind_state(found);
@@ -140,7 +141,6 @@ struct RayWalk::Impl {
       bind_state(std::span(turns.now.textures).first(static_cast<std::size_t>(target_count)));
       draw(thorough, rays, true, turns.next.framebuffer, columns, rows);
       std::swap(turns.now, turns.next);
-      ++resumed;
     }
     context->check("walking rays of a picture");
     return turns.now;
@@ -157,12 +157,11 @@ void RayWalk::update(const GeometryImage& image, std::span<const TexelRange> cha
   impl_->set_constants(image);
   update_texels(impl_->geometry, image, changed);
 }
-const HitTargets& RayWalk::trace(const RayTextures& rays, int columns, int rows, RayQuery query) {
-  return impl_->trace(rays, columns, rows, query);
+const HitTargets& RayWalk::trace(const RayTextures& rays, int columns, int rows, RayQuery query, bool together) {
+  return impl_->trace(rays, columns, rows, query, together);
 }
 int RayWalk::hit_targets() const { return impl_->target_count; }
 const GlTexture& RayWalk::geometry() const { return impl_->geometry; }
 const PassConstants& RayWalk::constants() const { return impl_->constants; }
-std::uint64_t RayWalk::resumed_passes() const { return impl_->resumed; }
 
 }  // namespace plumbline

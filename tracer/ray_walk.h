@@ -37,13 +37,12 @@ class RayWalk {
 
   /// Walks the rays of a batch's first rows and columns (columns: whole bundles). A ray without direction is none and
   /// comes out as `undefined`. The hits stay valid until the next walk with the same query.
-  const HitTargets& trace(const RayTextures& rays, int columns, int rows, RayQuery query);
+  /// `together` false: each alone, whatever the bundles, so that its steps are its own.
+  const HitTargets& trace(const RayTextures& rays, int columns, int rows, RayQuery query, bool together = true);
 
   int hit_targets() const;  ///< how many targets hits have
   const GlTexture& geometry() const;
   const PassConstants& constants() const;
-  /// Passes beyond the first, so far: for walks longer than the driver's loops, and for rare code.
-  std::uint64_t resumed_passes() const;
 
  private:
   struct Impl;

@@ -76,9 +76,7 @@ ShaderText render_shader(RenderPass pass, const ShadingVariant& variant, PassTap
     if (pass == RenderPass::light) files.emplace_back(variant.is_paper ? "image_paper.glsl" : "image_compact.glsl");
   }
   files.push_back(file_of(pass));
-  std::vector<ShaderPatch> own;
-  for (const ShaderPatch& patch : patches)
-    if (std::find(files.begin(), files.end(), patch.file) != files.end()) own.push_back(patch);
+  const std::vector<ShaderPatch> own = patches_for(compose_shader(files, defines, {}, dialect), patches);
   return compose_shader(files, defines, own, dialect);
 }
 

@@ -17,21 +17,16 @@
 namespace plumbline {
 namespace {
 
-constexpr int kLargestSide = 65536;         // of a picture, pixels
 constexpr std::uint32_t kDeepestBounce = 5;  // SEMANTICS 6.1: rays are numbered to 63
 
 // Texture units of passes that shade.
 enum ShadingUnit { kHitUnit = 3, kShadingUnit = 7, kTextureUnit, kBroughtUnit, kSumUnit, kNoiseUnit };
 
 RenderSettings completed(const Scene& scene, RenderSettings settings) {
-  if (settings.width == 0 && settings.height == 0)
-    settings.width = scene.camera.width, settings.height = scene.camera.height;
-  if (settings.width < 1 || settings.height < 1 || settings.width > kLargestSide || settings.height > kLargestSide)
-    throw InputError("a picture has 1 to 65536 pixels each way");
-  if (settings.frames < 1) throw InputError("a picture needs at least one frame");
-  if (std::uint64_t{settings.first_frame} + settings.frames > 0x7fffffffu)
-    throw InputError("a picture has at most 2^31 - 1 frames");
-  if (!std::isfinite(settings.time)) throw InputError("the time of a picture must be finite");
+  complete_picture_request(scene.camera, settings.width, settings.height, settings.first_frame, settings.frames,
+                           settings.time);
+  if (settings.bundle.rays < 1 || settings.bundle.rays > kMostBundled)
+    throw InputError("bundles have 1 to " + std::to_string(kMostBundled) + " rays");
   if (!settings.effects) settings.effects = scene.effects;
   settings.effects->depth = std::min(settings.effects->depth, kDeepestBounce);
   return settings;
@@ -48,6 +43,15 @@ Scene lit(Scene scene, const RenderSettings& settings, bool& by_default) {
 
 bool moves_in(const Scene& scene, const Effects& effects) {
   return effects.motion_blur && scene.camera.shutter_open != scene.camera.shutter_close && !scene.animation.empty();
+}
+
+/// Texels as a buffer texture, which then are the driver's alone.
+GlTexture uploaded(GlContext& context, std::vector<glm::vec4>& texels, const std::string& what,
+                   const std::string& instead) {
+  require_fitting_texels(context, texels.size(), what, instead);
+  GlTexture texture = GlTexture::linear(context, texels);
+  texels = {};
+  return texture;
 }
 
 /// Cuts a side into equal parts of at most `most`.
@@ -111,9 +115,9 @@ struct Renderer::Impl {
         image(bake(scene, tree, settings.bake)),
         shading(shading_image(scene)),
         camera(camera_frame(scene.camera)),
-        walk(c, image, moves ? 1 : settings.bundle.rays, walk_patches(asked.patches)),
-        shading_texture(GlTexture::linear(c, shading.texels)),
-        texture_texture(GlTexture::linear(c, shading.texture_texels)),
+        walk(c, image, moves ? 1 : settings.bundle.rays, settings.patches),
+        shading_texture(uploaded(c, shading.texels, "what shading needs of " + scene.name, "use less geometry")),
+        texture_texture(uploaded(c, shading.texture_texels, "the textures of " + scene.name, "use smaller ones")),
         primary(c),
         shadow(c),
         sums{FloatTargets<1>(c), FloatTargets<1>(c)},
@@ -124,8 +128,7 @@ struct Renderer::Impl {
         time_now(settings.time) {
     if (moves) settings.bundle = {};
     const Effects& effects = *settings.effects;
-    if (effects.depth_of_field && !(static_cast<double>(scene.camera.aperture) < focus_distance(scene.camera)))
-      throw InputError("camera: 'aperture' must be less than the distance of what is sharp");
+    if (effects.depth_of_field) require_lens_before_focus(scene.camera);
     const ProgramVariant of_image = program_variant(image, false, false);
     variant.has_triangles = of_image.has_triangles;
     variant.has_spheres = of_image.has_spheres;
@@ -135,6 +138,7 @@ struct Renderer::Impl {
     variant.is_physical = effects.model == Effects::Model::physical;
     variant.random = settings.random;
     variant.primitive_count = scene.primitive_count();
+    require_known_patches();
     for (const Material& material : scene.materials) {
       reflects = reflects || material.specular > 0.0f;
       refracts = refracts || material.transmittance > 0.0f;
@@ -146,21 +150,29 @@ struct Renderer::Impl {
                                            static_cast<std::uint32_t>(scene.lights.size()));
   }
 
-  /// Patches of files that the walk is composed of; those of shading passes find theirs in render_shader.
-  std::vector<ShaderPatch> walk_patches(const std::vector<ShaderPatch>& patches) const {
-    const ProgramVariant of_image = program_variant(image, false, false);
-    const ShaderText text = probe_fragment_shader(of_image);
-    std::vector<ShaderPatch> own;
-    for (const ShaderPatch& patch : patches)
-      if (std::find(text.files.begin(), text.files.end(), patch.file) != text.files.end()) own.push_back(patch);
-    return own;
+  /// Throws InputError for a patch of a file that no program of this picture is composed of.
+  void require_known_patches() const {
+    std::vector<std::string> known;
+    const auto add = [&](const ShaderText& shader) {
+      known.insert(known.end(), shader.files.begin(), shader.files.end());
+    };
+    ProgramVariant of_walk = program_variant(image, false, false);
+    add(probe_fragment_shader(of_walk));
+    of_walk.bundle = settings.bundle.rays;
+    add(probe_fragment_shader(of_walk));
+    for (const RenderPass pass : {RenderPass::camera, RenderPass::light, RenderPass::add_light, RenderPass::scatter,
+                                  RenderPass::channels, RenderPass::count_rays})
+      add(render_shader(pass, variant));
+    for (const ShaderPatch& patch : settings.patches)
+      if (std::find(known.begin(), known.end(), patch.file) == known.end())
+        throw InputError("a shader patch names tracer/shaders/" + patch.file + ", which renders nothing here");
   }
 
   const GlProgram& program(RenderPass pass, PassTap kind = PassTap::none) {
     for (const auto& [known, compiled] : programs)
       if (known == std::pair{pass, kind}) return compiled;
-    GlProgram compiled(*context, link_program(*context, probe_vertex_shader(),
-                                              render_shader(pass, variant, kind, settings.patches)));
+    GlProgram compiled(
+        *context, link_program(*context, probe_vertex_shader(), render_shader(pass, variant, kind, settings.patches)));
     return programs.emplace_back(std::pair{pass, kind}, std::move(compiled)).second;
   }
 
@@ -185,10 +197,11 @@ struct Renderer::Impl {
   }
 
   void set_random(const GlProgram& pass) {
-    pass.set("u_random", random_uniform(settings.seed, noise ? noise->texels() : 0u, batch.first_frame));
-    if (!noise) return;
-    noise->bind(kNoiseUnit);
+    const bool has_noise = noise && noise->is_made();
+    pass.set("u_random",
+             random_uniform(settings.seed, has_noise ? noise->texels() : 0u, has_noise ? noise->first_frame() : 0u));
     pass.set("u_noise", kNoiseUnit);
+    if (has_noise) noise->bind(kNoiseUnit);
   }
 
   void set_rays(const GlProgram& pass, const RayTextures& rays, const HitTargets* hits) {
@@ -217,7 +230,7 @@ struct Renderer::Impl {
                                    at(static_cast<std::uint32_t>(scene.lights.size()))));
     const Effects& effects = *settings.effects;
     pass.set("u_effects", glm::vec4(effects.glossy, effects.soft_shadows ? 1.0f : 0.0f,
-                                    effects.glossy_reflections ? 1.0f : 0.0f, effects.depth));
+                                    effects.glossy_reflections ? 1.0f : 0.0f, 0.0f));
     pass.set("u_background", glm::vec4(scene.background, 0.0f));
   }
 
@@ -259,9 +272,9 @@ struct Renderer::Impl {
     sum_now = 0;
   }
 
-  const HitTargets& walk_rays(const RayTextures& rays, RayQuery query) {
+  const HitTargets& walk_rays(const RayTextures& rays, RayQuery query, bool together = true) {
     ++passes;
-    return walk.trace(rays, batch.columns, batch.rows, query);
+    return walk.trace(rays, batch.columns, batch.rows, query, together);
   }
 
   /// All that comes of rays of one number: their light, and the rays that leave where they hit.
@@ -310,7 +323,6 @@ struct Renderer::Impl {
 
   void sample_batch() {
     clear_sum();
-    if (noise) noise->go_to(batch.first_frame, static_cast<std::uint32_t>(batch.lanes * batch.blocks));
     make_primary_rays(false);
     if (tap != nullptr) tap_camera();
     follow(1, 0, textures_of(primary));
@@ -329,7 +341,8 @@ struct Renderer::Impl {
       for (int x = 0; x < settings.width; x += width) {
         batch = {};
         batch.tile_x = x, batch.tile_y = y;
-        batch.tile_width = std::min(width, settings.width - x), batch.tile_height = std::min(height, settings.height - y);
+        batch.tile_width = std::min(width, settings.width - x),
+        batch.tile_height = std::min(height, settings.height - y);
         if (!each()) return false;
       }
     return true;
@@ -340,8 +353,7 @@ struct Renderer::Impl {
     const auto bundle = static_cast<std::uint32_t>(settings.bundle.rays);
     std::uint32_t lanes = std::min(static_cast<std::uint32_t>(kBatchWidth / batch.tile_width), wanted);
     if (lanes > bundle) lanes -= lanes % bundle;
-    const std::uint32_t blocks =
-        std::min(static_cast<std::uint32_t>(kRenderRows / batch.tile_height), wanted / lanes);
+    const std::uint32_t blocks = std::min(static_cast<std::uint32_t>(kRenderRows / batch.tile_height), wanted / lanes);
     batch.lanes = static_cast<int>(lanes), batch.blocks = static_cast<int>(blocks);
     batch.first_frame = first;
     const int columns = batch.tile_width * batch.lanes, rest = columns % settings.bundle.rays;
@@ -372,27 +384,39 @@ struct Renderer::Impl {
       done += static_cast<double>(batch.tile_width) * batch.tile_height * frames;
       return !progress || progress(done / all);
     };
-    if (!moves) {
-      go_to(settings.time);
-      return over_tiles([&] {
-        for (std::uint32_t f = 0; f < wanted;) {
-          const std::uint32_t most = noise ? noise->most_frames() : wanted;
-          const std::uint32_t frames = lay_out(first + f, std::min(wanted - f, most));
+    if (moves || noise) return add_frame_by_frame(first, wanted, tell);
+    go_to(settings.time);
+    return over_tiles([&] {
+      for (std::uint32_t f = 0; f < wanted;) {
+        const std::uint32_t frames = lay_out(first + f, wanted - f);
+        sample_batch();
+        f += frames;
+        if (!tell(frames)) return false;
+      }
+      return true;
+    });
+  }
+
+  /// Frames outside, tiles inside: where the scene moves in between, one after the other; with an image of noise, as
+  /// many at once as it has layers.
+  template <class Tell>
+  bool add_frame_by_frame(std::uint32_t first, std::uint32_t wanted, Tell tell) {
+    const std::uint32_t most = moves ? 1u : noise->most_frames();
+    for (std::uint32_t f = 0; f < wanted;) {
+      const std::uint32_t frames = std::min(most, wanted - f);
+      go_to(moves ? time_of(first + f) : settings.time);
+      if (noise) noise->go_to(first + f, frames);
+      const bool goes_on = over_tiles([&] {
+        for (std::uint32_t k = 0; k < frames;) {
+          const std::uint32_t laid_out = lay_out(first + f + k, frames - k);
           sample_batch();
-          f += frames;
-          if (!tell(frames)) return false;
+          k += laid_out;
+          if (!tell(laid_out)) return false;
         }
         return true;
       });
-    }
-    for (std::uint32_t f = 0; f < wanted; ++f) {
-      go_to(time_of(first + f));
-      const bool goes_on = over_tiles([&] {
-        lay_out(first + f, 1);
-        sample_batch();
-        return tell(1);
-      });
       if (!goes_on) return false;
+      f += frames;
     }
     return true;
   }
@@ -423,7 +447,7 @@ struct Renderer::Impl {
 
   void read_channels(RenderedPicture& result) {
     make_primary_rays(true);
-    const HitTargets& hits = walk_rays(textures_of(primary), RayQuery::nearest);
+    const HitTargets& hits = walk_rays(textures_of(primary), RayQuery::nearest, false);
     draw_shading(RenderPass::channels, PassTap::none, 1, 0, textures_of(primary), hits, told.framebuffer);
     const std::vector<glm::vec4> surface = read(told.framebuffer, 0), numbers = read(told.framebuffer, 1);
     const auto number = [](float x) { return x < 0.0f ? kNone : static_cast<std::uint32_t>(x); };
@@ -432,7 +456,7 @@ struct Renderer::Impl {
         const auto from = static_cast<std::size_t>(y * batch.columns + x);
         const auto to = static_cast<std::size_t>(batch.tile_y + y) * static_cast<std::size_t>(settings.width) +
                         static_cast<std::size_t>(batch.tile_x + x);
-        result.normal[to] = glm::vec3(surface[from]);
+        result.normal[to] = glm::dvec3(surface[from]);
         result.depth[to] = surface[from].w;
         result.primitive[to] = number(numbers[from].x);
         result.instance[to] = number(numbers[from].y);
@@ -469,8 +493,7 @@ struct Renderer::Impl {
           read_words<PassWords>(found.framebuffer, i, GL_RGBA_INTEGER, GL_UNSIGNED_INT);
     for (std::size_t i = 0; i < rays.size(); ++i) {
       rays[i] = {glm::vec3(origins[i]), glm::vec3(directions[i]), origins[i].w};
-      hits[i] =
-          unpack_hit(words[0][i], words[1][i], words[2][i], targets == kPassTargets ? &words[3][i] : nullptr);
+      hits[i] = unpack_hit(words[0][i], words[1][i], words[2][i], targets == kPassTargets ? &words[3][i] : nullptr);
     }
     tap->rays(tapped_batch(), ray, light, rays, hits);
   }

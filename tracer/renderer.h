@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "scenes/scene.h"
+#include "scenes/rendered_picture.h"
 #include "tracer/geometry_image.h"
 #include "tracer/gl_context.h"
 #include "tracer/probe.h"
@@ -27,28 +27,17 @@ enum class RandomKind {
 const char* name_of(RandomKind kind);
 
 struct RenderSettings {
-  int width = 0, height = 0;   ///< pixels; 0: the scene camera's
-  std::uint32_t frames = 1;    ///< samples of each pixel, at least 1
+  int width = 0, height = 0;  ///< pixels; 0: the scene camera's
+  std::uint32_t frames = 1;   ///< samples of each pixel, at least 1
   std::uint32_t first_frame = 0;
-  std::uint64_t seed = 0;      ///< of the random numbers
-  double time = 0.0;           ///< of the picture, seconds
+  std::uint64_t seed = 0;               ///< of the random numbers
+  double time = 0.0;                    ///< of the picture, seconds
   std::optional<Effects> effects = {};  ///< instead of the scene's
   RandomKind random = RandomKind::hash;
-  BundleSize bundle = {};               ///< samples of a pixel whose rays walk together; 1 with motion blur
+  BundleSize bundle = {};  ///< rays that walk together: of the samples of a pixel where a batch
+                           ///< holds several, else of its neighbours; 1 with motion blur
   BakeOptions bake;
-  std::vector<ShaderPatch> patches;     ///< faults on purpose
-};
-
-/// A picture, row by row from the top. All but mean and variance is that of one sharp ray a pixel (SEMANTICS 6.9).
-struct RenderedPicture {
-  int width = 0, height = 0;
-  std::uint32_t frames = 0;
-  std::vector<glm::dvec3> mean;                    ///< linear colour
-  std::vector<glm::dvec3> variance;                ///< of one sample, unbiased; empty for one frame
-  std::vector<float> depth;                        ///< infinite where nothing is hit
-  std::vector<glm::vec3> normal;                   ///< N; zero where nothing is hit
-  std::vector<std::uint32_t> primitive, instance;  ///< kNone for none
-  std::vector<std::uint32_t> steps;                ///< nodes that the walk visited
+  std::vector<ShaderPatch> patches;  ///< faults on purpose
 };
 
 /// What a sample's passes have done, handed out as it happens. Samples of a batch are told by position: see `pixel`.
@@ -67,7 +56,8 @@ class RenderTap {
   virtual void rays(const TappedBatch& batch, std::uint32_t ray, std::uint32_t light, std::span<const Ray> rays,
                     std::span<const Hit> hits) = 0;
   /// The numbers that a ray's passes have drawn (SEMANTICS 7.3), from the dimension `first` on: three (two for the
-  /// place in the pixel) for each item. Items that have drawn none have zeros.
+  /// place in the pixel) for each item. Items that have drawn none have zeros
+  /// (the place in the pixel a half).
   virtual void numbers(const TappedBatch& batch, std::uint32_t ray, std::uint32_t first,
                        std::span<const glm::vec4> numbers) = 0;
   /// The perturbations that these numbers became (SEMANTICS 7.4), likewise: of the lens, a light, or a normal.
@@ -82,18 +72,19 @@ using RenderProgress = std::function<bool(double share)>;
 
 class Renderer {
  public:
-  /// Copies the scene, bakes it and compiles the shaders. The context must outlive the renderer. Throws InputError for a
-  /// camera that sees nothing, a lens that reaches the plane of what is sharp, sizes or counts out of range, and as
+  /// Copies the scene, bakes it and compiles the shaders. The context must outlive the renderer. Throws InputError for
+  /// a camera that sees nothing, a lens that reaches the plane of what is sharp, sizes or counts out of range, and as
   /// bake() and Probe do.
   Renderer(GlContext& context, const Scene& scene, const RenderSettings& settings);
   ~Renderer();
   Renderer(Renderer&&) noexcept;
 
-  bool lit_by_default() const;  ///< the scene had no light, and is lit by default_light
+  bool lit_by_default() const;             ///< the scene had no light, and is lit by default_light
   const RenderSettings& settings() const;  ///< with the size, the effects and the bundle that are meant
-  const GeometryImage& image() const;      ///< at the time of the last frame
+  const GeometryImage& image() const;      ///< at the time of what was drawn last
 
-  /// Adds frames to the picture. False where `progress` ended it: the frames that are complete by then are in it.
+  /// Adds frames to the picture. False where `progress` ended it: some tiles then hold more frames than others, and
+  /// restart() comes before anything else.
   bool add_frames(std::uint32_t first, std::uint32_t count, const RenderProgress& progress = {});
   /// Forgets all frames; another time may be set for those to come.
   void restart(double time);

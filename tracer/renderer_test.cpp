@@ -2,10 +2,11 @@
 // The renderer's rays are the probe's: every ray of every batch, tapped from the shaders, is traced again by the probe.
 #include <catch2/catch.hpp>
 #include <cstring>
-#include <map>
+#include <limits>
 #include <set>
 
 #include "scenes/camera.h"
+#include "scenes/error.h"
 #include "scenes/generate.h"
 #include "scenes/read.h"
 #include "tracer/renderer.h"
@@ -187,6 +188,55 @@ TEST_CASE("Every effect and source of random numbers varies where it should", "[
         CHECK(varies > 20);
         if (name == "glossy") CHECK(constant > 20);  // all of the others: what is out of focus, and every n.l
       }
+}
+
+TEST_CASE("What sharp rays tell does not depend on bundles, and needs no frame", "[render]") {
+  const Scene scene = load_scene("sphereflake:1");
+  RenderSettings settings = settings_of(25, 7, 1);
+  Renderer alone(context(), scene, settings);
+  const RenderedPicture wanted = alone.picture();
+  settings.bundle = {3};
+  settings.random = RandomKind::texture;
+  Renderer together(context(), scene, settings);
+  const RenderedPicture told = together.picture();
+  CHECK(told.steps == wanted.steps);
+  CHECK(told.primitive == wanted.primitive);
+  CHECK(told.depth == wanted.depth);
+}
+
+TEST_CASE("A picture of several tiles has the noise of its frames in each", "[render]") {
+  const Scene scene = load_scene("soft_shadow");
+  RenderSettings settings = settings_of(600, 2, 3);
+  settings.random = RandomKind::texture;
+  const RenderedPicture whole = rendered(scene, settings);
+  Renderer by_parts(context(), scene, settings);
+  for (std::uint32_t f = 0; f < 3; ++f) CHECK(by_parts.add_frames(f, 1));
+  const RenderedPicture parts = by_parts.picture();
+  CHECK(parts.mean == whole.mean);
+  CHECK(parts.variance == whole.variance);
+}
+
+TEST_CASE("What no picture has is refused", "[render]") {
+  const Scene scene = load_scene("dof");
+  const auto refused = [&](const RenderSettings& settings) {
+    CHECK_THROWS_AS(Renderer(context(), scene, settings), InputError);
+  };
+  refused(settings_of(0, 5, 1));
+  refused(settings_of(65537, 1, 1));
+  refused(settings_of(65536, 65536, 1));
+  refused(settings_of(8, 8, 0));
+  RenderSettings settings = settings_of(8, 8, 1);
+  settings.time = std::numeric_limits<double>::quiet_NaN();
+  refused(settings);
+  settings = settings_of(8, 8, 1);
+  settings.bundle = {5};
+  refused(settings);
+  settings.bundle = {1};
+  settings.patches = {{"no_such_file.glsl", "a", "b"}};
+  refused(settings);
+  Scene wide = scene;
+  wide.camera.aperture = 1e6f;
+  CHECK_THROWS_AS(Renderer(context(), wide, settings_of(8, 8, 1)), InputError);
 }
 
 }  // namespace plumbline

@@ -119,6 +119,13 @@ ShaderText compose_shader(std::span<const std::string_view> files, std::span<con
   return shader;
 }
 
+std::vector<ShaderPatch> patches_for(const ShaderText& shader, std::span<const ShaderPatch> patches) {
+  std::vector<ShaderPatch> own;
+  for (const ShaderPatch& patch : patches)
+    if (std::find(shader.files.begin(), shader.files.end(), patch.file) != shader.files.end()) own.push_back(patch);
+  return own;
+}
+
 std::string translate_log(const ShaderText& shader, const std::string& log) {
   // Mesa: "0:30012(5): error: ..."; others: "0(30012) : error ..." or "ERROR: 0:30012: ...".
   const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };

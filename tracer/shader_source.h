@@ -35,6 +35,9 @@ struct ShaderText {
 ShaderText compose_shader(std::span<const std::string_view> files, std::span<const ShaderDefine> defines,
                           std::span<const ShaderPatch> patches = {}, GlslDialect dialect = GlslDialect::glsl_330);
 
+/// The patches that change files of a shader; the others are for other shaders.
+std::vector<ShaderPatch> patches_for(const ShaderText& shader, std::span<const ShaderPatch> patches);
+
 /// A driver's message with its line numbers replaced by ours: "tracer/shaders/triangle.glsl:12: ...".
 std::string translate_log(const ShaderText& shader, const std::string& log);
 

@@ -26,12 +26,12 @@
 
 namespace plumbline {
 
-inline constexpr std::uint32_t kGroundTexels = 4, kMaterialTexels = 3, kTextureTexels = 1, kInstanceTexels = 6,
+inline constexpr std::uint32_t kGroundTexels = 4, kMaterialTexels = 3, kInstanceTexels = 6,
                                kShadingTriangleTexels = 7, kShadingSphereTexels = 2;
 inline constexpr std::uint32_t kTextureBlock = 4096;
 
 struct ShadingImage {
-  std::vector<glm::vec4> texels;
+  std::vector<glm::vec4> texels;          ///< all but the textures
   std::vector<glm::vec4> texture_texels;  ///< at least one
   std::uint32_t material_start = 0, texture_start = 0, triangle_start = 0, sphere_start = 0, instance_start = 0;
 };

@@ -3,7 +3,7 @@
 
 uniform sampler2D u_brought, u_sum;
 
-// In w how many walks of the sample found no end.
+// w is above 0 where a walk of the sample found no end.
 layout(location = 0) out vec4 out_0;
 
 void main() {

@@ -13,7 +13,7 @@ layout(location = 1) out vec4 out_1;  // direction, weight of what the ray bring
 void main() {
   vec4 used = vec4(0.5);
   if (u_forward.w > 0.0) used = random_block(pixel_number(), frame_number(), 1u, BLOCK_PIXEL);
-  vec2 place = vec2(picture_pixel()) - 0.5 + used.xy - u_center.xy;
+  vec2 place = (vec2(picture_pixel()) - u_center.xy) + (used.xy - 0.5);  // near the axis no bit is lost
   vec3 s = u_forward.xyz + u_right.w * (place.x * u_right.xyz - place.y * u_up.xyz);
   vec3 origin = u_eye.xyz;
   vec3 direction = s;

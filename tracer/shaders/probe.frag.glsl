@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// One ray per pixel: rays come from a texture, results go to three integer targets, whose words no driver converts.
+// One ray per pixel: rays come from a texture, results go to three integer targets (four with transforms), whose words no driver converts.
 
 // Read where walks are resumed: what an unfinished pixel wrote.
 #ifdef RENDERING

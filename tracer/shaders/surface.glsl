@@ -15,7 +15,7 @@ uniform usampler2D u_hit_0, u_hit_1, u_hit_2, u_hit_3;
 
 uniform ivec4 u_starts;  // where materials, textures, triangles, spheres begin
 uniform ivec4 u_scene;   // where instances begin, number of triangles, where lights begin in the geometry image, number of lights
-uniform vec4 u_effects;  // glossiness of the scene; 1 where lights are soft, 1 where reflections are glossy, bounces
+uniform vec4 u_effects;  // glossiness of the scene; 1 where lights are soft, 1 where reflections are glossy, 0
 
 struct GivenRay {
   vec3 o, d;
@@ -51,7 +51,8 @@ struct Surface {
 };
 
 int texture_place(int start, ivec2 size, ivec2 at) {
-  ivec2 wrapped = ivec2((at.x + size.x) % size.x, (at.y + size.y) % size.y);
+  ivec2 wrapped = (at + 2 * size) % size;  // at least -2 before
+
   return start + wrapped.y * size.x + wrapped.x;
 }
 
@@ -86,7 +87,7 @@ vec3 bump(vec3 m, int number, float scale, vec2 uv, vec3 pu, vec3 pv) {
   fv *= scale * 0.5 * float(size.y);
   float volume = dot(m, cross(pu, pv));
   vec3 bumped = unit(m - (fu * cross(pv, m) + fv * cross(m, pu)) * (1.0 / volume));
-  return volume != 0.0 ? bumped : m;
+  return abs(volume) > 0.0 && abs(volume) < INFINITE ? bumped : m;
 }
 
 Surface surface_at_item() {
@@ -150,7 +151,7 @@ Surface surface_at_item() {
     uv = first * uv0 + weights.x * uv1 + weights.y * uv2;
     vec2 a = uv1 - uv0, b = uv2 - uv0;
     vec3 e = t1.xyz - t0.xyz, f = t2.xyz - t0.xyz;
-    float d = a.x * b.y - b.x * a.y;
+    PRECISE float d = a.x * b.y - b.x * a.y;  // 0 where the coordinates span nothing
     if (d != 0.0) {
       pu = (b.y * e - a.y * f) * (1.0 / d);
       pv = (a.x * f - b.x * e) * (1.0 / d);
