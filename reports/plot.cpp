@@ -88,8 +88,12 @@ std::string plot_svg(const Plot& plot) {
     for (const auto* values : {&s.y, &s.low, &s.high}) ys.insert(ys.end(), values->begin(), values->end());
   }
   const Axis x = make_axis(plot.log_x, xs), y = make_axis(plot.log_y, ys);
-  const double width = kWidth - kLeft - kRight, height = kHeight - kTop - kBottom;
-  const auto px = [&](double v) { return kLeft + width * x.share(v); };
+  // Room for the label, and for the longest tick in letters of 7 units.
+  std::size_t letters = 0;
+  for (const double tick : y.ticks) letters = std::max(letters, value_text(tick).size());
+  const double left = std::max(kLeft, 30.0 + 7.0 * static_cast<double>(letters));
+  const double width = kWidth - left - kRight, height = kHeight - kTop - kBottom;
+  const auto px = [&](double v) { return left + width * x.share(v); };
   const auto py = [&](double v) { return kTop + height * (1.0 - y.share(v)); };
 
   // A ground of its own: the page may be dark or light.
@@ -102,12 +106,12 @@ std::string plot_svg(const Plot& plot) {
     svg += text_at(px(tick), kTop + height + 18.0, "middle", value_text(tick));
   }
   for (const double tick : y.ticks) {
-    svg += line_between(kLeft, py(tick), kLeft + width, py(tick), "#ddd");
-    svg += text_at(kLeft - 6.0, py(tick) + 4.0, "end", value_text(tick));
+    svg += line_between(left, py(tick), left + width, py(tick), "#ddd");
+    svg += text_at(left - 6.0, py(tick) + 4.0, "end", value_text(tick));
   }
-  svg += line_between(kLeft, kTop + height, kLeft + width, kTop + height, "#222");
-  svg += line_between(kLeft, kTop, kLeft, kTop + height, "#222");
-  svg += text_at(kLeft + 0.5 * width, kHeight - 12.0, "middle", plot.x_label);
+  svg += line_between(left, kTop + height, left + width, kTop + height, "#222");
+  svg += line_between(left, kTop, left, kTop + height, "#222");
+  svg += text_at(left + 0.5 * width, kHeight - 12.0, "middle", plot.x_label);
   svg += text_at(0.0, 0.0, "middle", plot.y_label,
                  " transform=\"translate(16 " + number(kTop + 0.5 * height) + ") rotate(-90)\"");
 
@@ -130,11 +134,11 @@ std::string plot_svg(const Plot& plot) {
     svg += marks;
     if (s.label.empty()) continue;
     if (s.line)
-      svg += "<line x1=\"" + number(kLeft + 12.0) + "\" y1=\"" + number(legend - 4.0) + "\" x2=\"" +
-             number(kLeft + 40.0) + "\" y2=\"" + number(legend - 4.0) + "\"" + stroke + "/>\n";
+      svg += "<line x1=\"" + number(left + 12.0) + "\" y1=\"" + number(legend - 4.0) + "\" x2=\"" +
+             number(left + 40.0) + "\" y2=\"" + number(legend - 4.0) + "\"" + stroke + "/>\n";
     else
-      svg += mark_at(number(kLeft + 26.0), number(legend - 4.0), s.color);
-    svg += text_at(kLeft + 46.0, legend, "start", s.label);
+      svg += mark_at(number(left + 26.0), number(legend - 4.0), s.color);
+    svg += text_at(left + 46.0, legend, "start", s.label);
     legend += kLegendLine;
   }
   return svg + "</svg>\n";

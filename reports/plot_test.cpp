@@ -55,4 +55,14 @@ TEST_CASE("plot: the record names the file that was written") {
   std::filesystem::remove_all(folder);
 }
 
+TEST_CASE("plot: long ticks do not run into the label") {
+  Plot plot{"samples", "error", false, true, {{"a", "#000000", false, {1.0, 2.0}, {0.0078125, 1.0}}}};
+  const std::string svg = plot_svg(plot);
+  const std::size_t tick = svg.find("0.007812");
+  REQUIRE(tick != std::string::npos);
+  // The tick ends where its text is anchored; its eight letters are 7 wide, the label's end at 22.
+  const std::size_t at = svg.rfind("x=\"", tick) + 3;
+  CHECK(std::stod(svg.substr(at)) - 8 * 7 >= 22.0);
+}
+
 }  // namespace plumbline
