@@ -49,6 +49,26 @@ std::string alike(const std::vector<Case>& cases, const std::string& pattern) {
   return "";
 }
 
+/// The tracer's samples and perturbations, with each source of random numbers.
+std::vector<Case> tracer_statistics() {
+  std::vector<Case> cases = density_cases(reference_perturbations());
+  const auto add = [&](std::vector<Case> more) {
+    for (Case& c : more) cases.push_back(std::move(c));
+  };
+  for (const RandomKind random : {RandomKind::hash, RandomKind::md5, RandomKind::texture})
+    add(density_cases(tracer_perturbations(random)));
+  add(independent_cases([](CaseContext&) { return make_tracer_engine; }));
+  // Of the image of noise one effect at a time: pairs and all together ask nothing more of a source of numbers.
+  DrtOptions texture;
+  texture.name = "texture";
+  texture.pixels_independent = false;
+  RenderSettings with_texture;
+  with_texture.random = RandomKind::texture;
+  for (Case& c : independent_cases([with_texture](CaseContext&) { return tracer_engines(with_texture); }, texture))
+    if (c.name.starts_with("drt.independent.")) cases.push_back(std::move(c));
+  return cases;
+}
+
 }  // namespace
 
 bool selects(const std::string& pattern, const std::string& name) {
@@ -111,18 +131,7 @@ std::vector<Case> make_catalogue(const CatalogueOptions& options) {
     cases.push_back(drift_case());
     cases.push_back(bunnies_case(options.moved_rays));
     add(closed_form_cases(picture_sources, options.profile_samples));
-    add(density_cases(reference_perturbations()));
-    for (const RandomKind random : {RandomKind::hash, RandomKind::md5, RandomKind::texture})
-      add(density_cases(tracer_perturbations(random)));
-    add(independent_cases([](CaseContext&) { return make_tracer_engine; }));
-    DrtOptions texture;
-    texture.name = "texture";
-    texture.pixels_independent = false;
-    RenderSettings with_texture;
-    with_texture.random = RandomKind::texture;
-// One effect at a time: pairs and all together ask nothing more of the source of numbers.
-    for (Case& c : independent_cases([with_texture](CaseContext&) { return tracer_engines(with_texture); }, texture))
-      if (c.name.starts_with("drt.independent.")) cases.push_back(std::move(c));
+    add(tracer_statistics());
     add(model_bias_cases());
   }
   return cases;

@@ -112,7 +112,7 @@ void add_transform_faults(std::vector<Fault>& faults) {
       "vec4 row_0 = record_texel(node, 0), row_1 = record_texel(node, 1), row_2 = record_texel(node, 2);",
       TransformOut::inverse);
   add("normal_by_the_matrix", "Normals come out by the matrix instead of the inverse transpose.", shear,
-      "probe.frag.glsl", "normal = times_transposed(back_0, back_1, back_2, normal);",
+      "result.glsl", "normal = times_transposed(back_0, back_1, back_2, normal);",
       "normal = times(row_0, row_1, row_2, normal);");
   add("t_left_local", "t stays in units of the instance's walking ray.", nested, "candidate.glsl",
       "PRECISE float t_world = t * ray.t_scale + ray.t_shift;", "PRECISE float t_world = t;");
@@ -132,7 +132,7 @@ void add_transform_faults(std::vector<Fault>& faults) {
       "    bool is_behind = dot(pivot - ray.o, ray.dn) < 0.0;\n"
       "    if (in_cluster && transform >= 0 && !is_behind) walk.request = transform;\n"
       "    if (in_cluster && transform >= 0 && is_behind) at += NODE_TEXELS;");
-  add("instance_of_the_parent", "The instance reported is the node around it.", nested, "probe.frag.glsl",
+  add("instance_of_the_parent", "The instance reported is the node around it.", nested, "result.glsl",
       "hit ? uint(nearest.space + 1) : 0u", "hit && nearest.space >= 0 ? uint(record_texel(nearest.space, 3).w) : 0u");
 }
 

@@ -96,7 +96,7 @@ TEST_CASE("Wrong values of the right primitive need no loop over all primitives 
   Session session;
   const ShaderPatch turned{"triangle.glsl", "return n * (1.0 / sqrt(dot(n, n)));",
                            "return n * (-1.0 / sqrt(dot(n, n)));"};
-  const ShaderPatch by_the_matrix{"probe.frag.glsl", "normal = times_transposed(back_0, back_1, back_2, normal);",
+  const ShaderPatch by_the_matrix{"result.glsl", "normal = times_transposed(back_0, back_1, back_2, normal);",
                                   "normal = times(row_0, row_1, row_2, normal);"};
   const auto check = [&](const char* spec, const ShaderPatch& patch, Layer layer) {
     const Stage& stage = session.stage(spec);

@@ -40,7 +40,7 @@ struct Probe::Impl {
   GlCounters visits;  // of the image at hand, where visits are counted
   std::array<GlTexture, kPassTargets> targets;
   GlFramebuffer plain_framebuffer, framebuffer;  // without the last target, with it
-  std::vector<GlTexture> bundle_targets;         // two for each ray of a bundle
+  std::vector<GlTexture> bundle_targets;         // of the rays of a bundle
   GlFramebuffer bundle_framebuffer;
   int target_count = kPassTargets - 1;
   // Of the image: what its programs are, how many primitives it has, and the constants of pass_constants.glsl.
@@ -70,12 +70,11 @@ struct Probe::Impl {
     plain_framebuffer = GlFramebuffer(c, targets.data(), kPassTargets - 1);
     framebuffer = GlFramebuffer(c, targets.data(), kPassTargets);
     for (auto& result : results) result.resize(kBatch);
-    if (bundle > 1) {
-      for (int i = 0; i < 2 * bundle; ++i)
-        bundle_targets.emplace_back(c, GL_RGBA32UI, GL_RGBA_INTEGER, GL_UNSIGNED_INT, kBatchWidth, kBatchHeight);
-      bundle_framebuffer = GlFramebuffer(c, bundle_targets.data(), 2 * bundle);
-      bundle_results.resize(bundle_targets.size());
-    }
+  }
+
+  /// Targets of a bundle's pass; none where rays walk alone.
+  int bundle_target_count() const {
+    return bundle == 1 ? 0 : bundle == kBundleWithResults ? bundle * target_count : 2 * bundle;
   }
 
   /// The program of a variant, compiled when it is first asked for.
@@ -110,6 +109,13 @@ struct Probe::Impl {
     primitive_count = image.primitive_count;
     constants = pass_constants(image);
     target_count = image.transform_count > 0 ? kPassTargets : kPassTargets - 1;
+    const int wanted = bundle_target_count();
+    if (static_cast<int>(bundle_results.size()) != wanted) {
+      while (static_cast<int>(bundle_targets.size()) < wanted)
+        bundle_targets.emplace_back(*context, GL_RGBA32UI, GL_RGBA_INTEGER, GL_UNSIGNED_INT, kBatchWidth, kBatchHeight);
+      bundle_framebuffer = GlFramebuffer(*context, bundle_targets.data(), wanted);
+      bundle_results.resize(static_cast<std::size_t>(wanted));
+    }
     const double to_world = std::ldexp(1.0, -image.scale_exponent);
     world_ball = {glm::dvec3(image.center) * to_world, image.radius * to_world};
   }
@@ -169,7 +175,7 @@ struct Probe::Impl {
     const double drawn = std::chrono::duration<double>(Clock::now() - start).count();
     seconds += drawn;
     if (resume) resumed_seconds += drawn;
-    const int count = is_bundled ? 2 * variant.bundle : target_count;
+    const int count = is_bundled ? bundle_target_count() : target_count;
     for (int i = 0; i < count; ++i) {
       std::vector<PassWords>& words =
           is_bundled ? bundle_results[static_cast<std::size_t>(i)] : results[static_cast<std::size_t>(i)];
@@ -214,8 +220,8 @@ struct Probe::Impl {
     return bundle == 1 ? kBatch : std::size_t{kBatchWidth} * (kBatchHeight / bundle - 8) * bundle;
   }
 
-  /// As trace_batch: a first pass walks the bundles, another makes hits of what they have found, and begins anew with
-  /// the rays that were left alone.
+  /// As trace_batch: a first pass walks the bundles. Where it does not write results, another makes hits of what they
+  /// have found, and begins anew with the rays that were left alone.
   void trace_bundles(std::span<const Ray> batch, std::span<Hit> hits) {
     const auto size = static_cast<std::size_t>(bundle);
     const auto start = Clock::now();
@@ -230,6 +236,11 @@ struct Probe::Impl {
     for (std::size_t i = 0; i < first_rays.size() * size; ++i)
       put_ray(places.pixel[i / size] * size + i % size, batch[i < batch.size() ? i : i - i % size]);
     draw(places.rows, kFirst, primitive_count);
+
+    if (bundle == kBundleWithResults) {
+      take_bundles(batch, hits, places);
+      return;
+    }
 
     // In the batch's order: what each ray's bundle has found becomes its hit.
     const int rows = static_cast<int>((batch.size() + kBatchWidth - 1) / kBatchWidth);
@@ -261,6 +272,24 @@ struct Probe::Impl {
         open.push_back({number, number});
       }
     }
+    left_alone += open.size();
+    finish(batch, hits, std::move(open), primitive_count);
+  }
+
+  /// Of bundles that have written results: those of rays that were left alone begin anew.
+  void take_bundles(std::span<const Ray> batch, std::span<Hit> hits, const RayPlaces& places) {
+    const auto size = static_cast<std::size_t>(bundle), count = static_cast<std::size_t>(target_count);
+    std::array<std::vector<Open>, 2> open_of_half;
+    in_halves(batch.size(), [&](int half, std::size_t first, std::size_t end) {
+      for (std::size_t i = first; i < end; ++i) {
+        for (std::size_t k = 0; k < count; ++k)
+          results[k][i] = bundle_results[i % size * count + k][places.pixel[i / size]];
+        const auto number = static_cast<std::uint32_t>(i);
+        take(number, number, hits, open_of_half[static_cast<std::size_t>(half)]);
+      }
+    });
+    std::vector<Open> open = std::move(open_of_half[0]);
+    open.insert(open.end(), open_of_half[1].begin(), open_of_half[1].end());
     left_alone += open.size();
     finish(batch, hits, std::move(open), primitive_count);
   }

@@ -22,6 +22,13 @@ constexpr std::uint32_t most_passes(std::uint32_t cells) { return 16 + cells / 1
 
 }  // namespace
 
+ShaderText spread_shader(bool has_transforms, GlslDialect dialect) {
+  const std::array<std::string_view, 1> files{"spread.frag.glsl"};
+  std::vector<ShaderDefine> defines;
+  if (has_transforms) defines.emplace_back("HAS_TRANSFORMS", "");
+  return compose_shader(files, defines, {}, dialect);
+}
+
 struct RayWalk::Impl {
   GlContext* context;
   int bundle;
@@ -41,7 +48,7 @@ struct RayWalk::Impl {
   std::vector<GlTexture> found;
   GlFramebuffer found_framebuffer;
   FloatTargets<1> counted;
-  GlProgram count_program;
+  GlProgram count_program, spread_program;  // the latter for bundles that write results
   GlSampleCount count;
 
   Impl(GlContext& c, const GeometryImage& image, int rays, std::span<const ShaderPatch> p)
@@ -56,9 +63,10 @@ struct RayWalk::Impl {
     geometry = upload_image(c, image);
     for (Turns& turns : hits) turns = {HitTargets(c, target_count), HitTargets(c, target_count)};
     if (bundle > 1) {
-      for (int i = 0; i < 2 * bundle; ++i)
+      const int wanted = bundle == kBundleWithResults ? bundle * target_count : 2 * bundle;
+      for (int i = 0; i < wanted; ++i)
         found.emplace_back(c, GL_RGBA32UI, GL_RGBA_INTEGER, GL_UNSIGNED_INT, kBatchWidth / bundle, kRenderRows);
-      found_framebuffer = GlFramebuffer(c, found.data(), 2 * bundle);
+      found_framebuffer = GlFramebuffer(c, found.data(), wanted);
     }
     for (int i = 0; i < kPassTargets; ++i) state_names.push_back("u_state_" + std::to_string(i));
     for (int i = 0; i < 2 * kMostBundled; ++i) found_names.push_back("u_found_" + std::to_string(i));
@@ -68,6 +76,8 @@ struct RayWalk::Impl {
                                               ShaderDefine{"KIND_UNFINISHED", std::to_string(kWordUnfinished) + "u"}};
     count_program = GlProgram(c, link_program(c, probe_vertex_shader(), compose_shader(files, defines)));
     count = GlSampleCount(c);
+    if (bundle == kBundleWithResults)
+      spread_program = GlProgram(c, link_program(c, probe_vertex_shader(), spread_shader(variant.has_transforms)));
   }
 
   void set_constants(const GeometryImage& image) {
@@ -117,6 +127,17 @@ struct RayWalk::Impl {
     return count.end();
   }
 
+  /// Brings what bundles have written to where their rays stand.
+  void spread(const GlFramebuffer& into, int columns, int rows) {
+    const GlFunctions& gl = context->use();
+    spread_program.use();
+    for (std::size_t i = 0; i < found.size(); ++i)
+      spread_program.set(found_names[i].c_str(), kFirstStateUnit + static_cast<int>(i));
+    gl.BindFramebuffer(GL_FRAMEBUFFER, into.name());
+    gl.Disable(GL_DITHER);
+    spread_program.draw(columns, rows);
+  }
+
   const HitTargets& trace(const RayTextures& rays, int columns, int rows, RayQuery query, bool together) {
     PLUMBLINE_ASSERT(columns % bundle == 0);
     Turns& turns = hits[query == RayQuery::any ? 1 : 0];
@@ -130,10 +151,14 @@ struct RayWalk::Impl {
       ProgramVariant bundled = pass, finish = pass;
       bundled.bundle = bundle;
       draw(bundled, rays, false, found_framebuffer, columns / bundle, rows);
-      finish.finish = true;
-      finish.found_bundle = bundle;
       bind_state(found);
-      draw(finish, rays, true, turns.now.framebuffer, columns, rows);
+      if (bundle == kBundleWithResults) {
+        spread(turns.now.framebuffer, columns, rows);
+      } else {
+        finish.finish = true;
+        finish.found_bundle = bundle;
+        draw(finish, rays, true, turns.now.framebuffer, columns, rows);
+      }
     }
     ProgramVariant thorough = pass;
     thorough.thorough = true;

@@ -24,6 +24,9 @@ struct RayTextures {
   const GlTexture* directions = nullptr;
 };
 
+/// The fragment shader that brings what bundles of two have written to where their rays stand.
+ShaderText spread_shader(bool has_transforms, GlslDialect dialect = GlslDialect::glsl_330);
+
 class RayWalk {
  public:
   /// Throws as Probe's constructor does.

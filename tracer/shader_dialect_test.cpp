@@ -13,6 +13,7 @@
 
 #include "scenes/test_files.h"
 #include "tracer/accumulator.h"
+#include "tracer/ray_walk.h"
 #include "tracer/render_passes.h"
 #include "tracer/shader_source.h"
 
@@ -127,7 +128,9 @@ std::vector<Judged> all_walks() {
 }
 
 std::vector<Judged> all_shading() {
-  std::vector<Judged> all{{accumulate_shader(GlslDialect::es_300)}};
+  std::vector<Judged> all{{accumulate_shader(GlslDialect::es_300)},
+                          {spread_shader(false, GlslDialect::es_300)},
+                          {spread_shader(true, GlslDialect::es_300)}};
   for (int bits = 0; bits < 64; ++bits) {
     ShadingVariant v;
     v.has_triangles = (bits & 1) != 0, v.has_spheres = (bits & 2) != 0, v.has_transforms = (bits & 4) != 0;

@@ -40,6 +40,9 @@ inline constexpr int kShadingWidth = 4096;
 /// Rays of the largest bundle: each needs two targets. Drivers of desktops have eight; GLSL ES 3.00 promises four, so
 /// there bundles of 3 and 4, and capturing passes, need a driver whose MAX_DRAW_BUFFERS allows them.
 inline constexpr int kMostBundled = 4;
+/// Results take three or four targets a ray: bundles of this size write theirs, larger ones leave what they have found to
+/// another pass.
+inline constexpr int kBundleWithResults = 2;
 
 /// Of a capturing pass (walk_trace.h): its pixels, all but the last of which keep an event, and the event's kind in the
 /// low three bits of its first word.

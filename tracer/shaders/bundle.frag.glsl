@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// One bundle per pixel: rays come from a texture, the nearest hit of each goes to two integer targets. What follows from
-// it, position and normal, is the probe's to compute: drivers have eight targets.
+// One bundle per pixel: rays come from a texture. Drivers have eight targets. Of two rays these hold all that there is to
+// tell (result.glsl), the first ray's before the second's. Of more rays the nearest hit of each goes to two; what follows
+// from it, position and normal, is another pass's to compute.
 
 // Of ray k, targets 2 k and 2 k + 1: t (in the space of the hit), label (negative: the ray must walk alone), address,
 // steps of the bundle; weights, t and space by the world's count (candidate.glsl).
@@ -8,11 +9,11 @@ layout(location = 0) out uvec4 out_0;
 layout(location = 1) out uvec4 out_1;
 layout(location = 2) out uvec4 out_2;
 layout(location = 3) out uvec4 out_3;
-#if BUNDLE_SIZE > 2
+#if BUNDLE_SIZE > 2 || defined(BUNDLE_RESULTS)
 layout(location = 4) out uvec4 out_4;
 layout(location = 5) out uvec4 out_5;
 #endif
-#if BUNDLE_SIZE > 3
+#if BUNDLE_SIZE > 3 || (defined(BUNDLE_RESULTS) && defined(HAS_TRANSFORMS))
 layout(location = 6) out uvec4 out_6;
 layout(location = 7) out uvec4 out_7;
 #endif
@@ -37,6 +38,30 @@ void settle(int octant) {
   is_anyone_walking = is_anyone_walking || rest.in_space == REST_NONE;
 }
 
+#ifdef BUNDLE_RESULTS
+// Of the ray at hand; where another pass must trace it, a state without a label.
+void make_result(float t_max) {
+  bool waits = nearest.pending >= 0;
+#ifdef ANY_HIT
+  waits = waits && !(nearest.label < NO_LABEL);
+#endif
+  bool complete = write_result(t_max);
+  result_0.w = 0u;  // tests and transforms are the bundle's, not its own
+#ifdef HAS_TRANSFORMS
+  result_3.y = 0u;
+#endif
+  if (!walk.ended || rest.alone || waits || !complete) {
+    result_0 = uvec4(KIND_UNFINISHED, 0u, walk.steps, 0u);
+    result_1 = uvec4(0u);
+    result_2 = uvec4(0u);
+  }
+}
+#ifdef HAS_TRANSFORMS
+#define WRITE(K, A, B, C, D) TAKE_RAY(K) make_result(ray_texel(2 * (first + K)).w); A = result_0, B = result_1, C = result_2, D = result_3;
+#else
+#define WRITE(K, A, B, C) TAKE_RAY(K) make_result(ray_texel(2 * (first + K)).w); A = result_0, B = result_1, C = result_2;
+#endif
+#else
 uvec4 nearest_0() {
   bool is_alone = !walk.ended || rest.alone || nearest.pending >= 0;
   float label = is_alone ? -1.0 : nearest.label;
@@ -54,6 +79,7 @@ uvec4 nearest_1() {
 #endif
 }
 #define WRITE(K, FIRST, SECOND) TAKE_RAY(K) FIRST = nearest_0(), SECOND = nearest_1();
+#endif
 
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
@@ -62,6 +88,7 @@ void main() {
 #else
   int number = (pixel.y * BATCH_WIDTH + pixel.x) * BUNDLE_SIZE;
 #endif
+  int first = number;
   FOR_EACH_RAY(begin(number++))
   TAKE_RAY(0)
   start_walk();
@@ -81,6 +108,13 @@ void main() {
 #else
   if (!walk.ended) walk_tree();
 #endif
+#if defined(BUNDLE_RESULTS) && defined(HAS_TRANSFORMS)
+  WRITE(0, out_0, out_1, out_2, out_3)
+  WRITE(1, out_4, out_5, out_6, out_7)
+#elif defined(BUNDLE_RESULTS)
+  WRITE(0, out_0, out_1, out_2)
+  WRITE(1, out_3, out_4, out_5)
+#else
   WRITE(0, out_0, out_1)
   WRITE(1, out_2, out_3)
 #if BUNDLE_SIZE > 2
@@ -88,5 +122,6 @@ void main() {
 #endif
 #if BUNDLE_SIZE > 3
   WRITE(3, out_6, out_7)
+#endif
 #endif
 }

@@ -8,11 +8,11 @@ uniform usampler2D u_state_0, u_state_1, u_state_2, u_state_3;
 uniform usampler2D u_state;  // STATE_TEXELS texels a pixel
 #endif
 
-layout(location = 0) out uvec4 out_0;  // kind + 8 * primitive, t, steps, primitives tested
-layout(location = 1) out uvec4 out_1;  // position, weight of the second corner
-layout(location = 2) out uvec4 out_2;  // normal, weight of the third corner
+layout(location = 0) out uvec4 out_0;  // result_0 ... (result.glsl)
+layout(location = 1) out uvec4 out_1;
+layout(location = 2) out uvec4 out_2;
 #ifdef HAS_TRANSFORMS
-layout(location = 3) out uvec4 out_3;  // instance + 1, or 0 in the world; transforms entered; 0; 0
+layout(location = 3) out uvec4 out_3;
 #define STATE_TEXELS 4
 #else
 #define STATE_TEXELS 3
@@ -96,6 +96,8 @@ void start_or_resume(ivec2 pixel) {
     is_kept = how != KIND_UNFINISHED;
     if (is_kept) how = STATE_NEW;
 #endif
+    // A bundle that writes results leaves a ray alone by a state without a label.
+    if (how == KIND_UNFINISHED && s2.x == 0u) how = STATE_NEW;
   }
   if (how != STATE_NEW) {
     nearest.pending = int(s0.x >> 3) - 1;
@@ -130,84 +132,6 @@ void start_or_resume(ivec2 pixel) {
 #if defined(RENDERING) && defined(THOROUGH)
   if (is_kept) walk.ended = true;
 #endif
-}
-
-void write_unfinished() {
-  out_0 = uvec4(KIND_UNFINISHED + 8u * uint(nearest.pending + 1), floatBitsToUint(nearest.t), walk.steps, nearest.tests);
-  out_1 = uvec4(walk.at, walk.cluster_at, walk.cluster_next);
-  out_2 = uvec4(floatBitsToUint(nearest.label), floatBitsToUint(nearest.weights), nearest.address);
-#ifdef HAS_TRANSFORMS
-  out_0.y = floatBitsToUint(nearest.t_world);
-  out_3 = uvec4(floatBitsToUint(nearest.t_space), nearest.space, walk.space, walk.transforms);
-#endif
-}
-
-// True where the result is complete: a driver may have ended the loops that bring it out of nested transforms.
-bool write_result(float t_max) {
-  bool hit = walk.ended && nearest.label < NO_LABEL;
-  bool complete = true;
-#ifdef HAS_TRANSFORMS
-#ifdef ANY_HIT
-  int node = SPACE_WORLD;
-  ray = world_ray;
-#else
-  int node = hit ? nearest.space : SPACE_WORLD;
-  derive_ray(node);
-#endif
-  complete = !ray.cut;
-  float t = nearest.t_space;
-#else
-  float t = nearest.t;
-#endif
-  vec4 p0 = primitive_0(nearest.address), p1 = primitive_1(nearest.address);
-  PRECISE vec3 position = vec3(0.0);
-  PRECISE vec3 normal = vec3(0.0);
-#ifdef HAS_SPHERES
-  normal = sphere_normal(p0.xyz, t);
-  position = p0.xyz + p1.x * normal;
-#endif
-#ifdef HAS_TRIANGLES
-  if (p1.w != KIND_SPHERE) {
-    vec4 p2 = primitive_2(nearest.address);
-    vec2 w = nearest.weights;
-    normal = triangle_normal(p0.xyz, p1.xyz, p2.xyz);
-    position = ((1.0 - w.x) - w.y) * p0.xyz + w.x * p1.xyz + w.y * p2.xyz;
-  }
-#endif
-#ifdef HAS_TRANSFORMS
-  // Out of the instance, level by level; a broken record may lead in a circle.
-  int level = 0;
-  for (; node >= 0 && level < MAX_DEPTH; ++level) {
-    if (node >= 0) {
-      vec4 back_0 = record_texel(node, 0), back_1 = record_texel(node, 1), back_2 = record_texel(node, 2);
-      vec4 row_0 = record_texel(node, 3), row_1 = record_texel(node, 4), row_2 = record_texel(node, 5);
-      position = times(row_0, row_1, row_2, position) + vec3(back_0.w, back_1.w, back_2.w);
-      normal = times_transposed(back_0, back_1, back_2, normal);
-      normal *= power_of_two(clamp(-largest_exponent(normal), -126, 127));
-      node = int(row_0.w) - 1;
-    }
-  }
-  complete = complete && node < 0;
-  normal *= hit && nearest.space >= 0 ? 1.0 / sqrt(dot(normal, normal)) : 1.0;
-  ray = world_ray;
-  t = nearest.t_world;
-#endif
-  uvec3 position_bits = floatBitsToUint(position);
-  if (pass_range.x != 0) {
-    uvec3 sign_bits = position_bits & uvec3(0x80000000u);
-    position = abs(position);
-    position_bits = sign_bits | uvec3(scaled_bits(position.x, -pass_range.x), scaled_bits(position.y, -pass_range.x),
-                                      scaled_bits(position.z, -pass_range.x));
-  }
-  uint kind = !ray.defined ? KIND_UNDEFINED : !walk.ended ? KIND_CAPPED : hit ? KIND_HIT : KIND_MISS;
-  uint primitive = hit ? uint(nearest.label) - 1u : 0u;
-  out_0 = uvec4(kind + 8u * primitive, given_t(t, t_max), walk.steps, nearest.tests);
-  out_1 = uvec4(position_bits, floatBitsToUint(nearest.weights.x));
-  out_2 = uvec4(floatBitsToUint(normal), floatBitsToUint(nearest.weights.y));
-#ifdef HAS_TRANSFORMS
-  out_3 = uvec4(hit ? uint(nearest.space + 1) : 0u, walk.transforms, 0u, 0u);
-#endif
-  return complete;
 }
 
 void main() {
@@ -284,6 +208,10 @@ void main() {
   }
 #endif
   if (unfinished || !complete) write_unfinished();
+  out_0 = result_0, out_1 = result_1, out_2 = result_2;
+#ifdef HAS_TRANSFORMS
+  out_3 = result_3;
+#endif
 #if defined(RENDERING) && defined(THOROUGH)
   if (is_kept) {
     out_0 = kept_0, out_1 = kept_1, out_2 = kept_2;
