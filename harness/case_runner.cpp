@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "harness/case_runner.h"
 
+#include <algorithm>
 #include <cstdlib>
+#include <optional>
+#include <set>
 
 #include "harness/clock.h"
 #include "reports/json.h"
@@ -25,7 +28,18 @@ constexpr const char* kAskDriver = "driver";
 
 }  // namespace
 
-CaseRunner::CaseRunner(const std::vector<Case>& cases, const RunOptions& options) : cases_(cases), options_(options) {}
+/// A worker, and the job that it has.
+struct CaseRunner::Place {
+  std::unique_ptr<Worker> worker;
+  std::optional<CaseJob> job;
+  double share = 0.0;  ///< of it that is done
+  Clock::time_point start{};
+};
+
+CaseRunner::CaseRunner(const std::vector<Case>& cases, const RunOptions& options) : cases_(cases), options_(options) {
+  for (int i = 0; i < (options.isolate ? std::max(1, options.jobs) : 1); ++i)
+    places_.push_back(std::make_unique<Place>());
+}
 CaseRunner::~CaseRunner() = default;
 
 CaseRecord CaseRunner::run_here(std::size_t index, std::uint64_t seed, const JobProgress& progress) {
@@ -58,14 +72,13 @@ std::string CaseRunner::serve(const std::string& job, const JobProgress& progres
 CaseRunner::DriverName CaseRunner::driver() {
   std::string text;
   if (options_.isolate) {
-    if (!worker_)
-      worker_ =
-          std::make_unique<Worker>([this](const std::string& job, const JobProgress& p) { return serve(job, p); });
+    std::unique_ptr<Worker>& worker = places_.front()->worker;
+    worker = std::make_unique<Worker>([this](const std::string& job, const JobProgress& p) { return serve(job, p); });
     Worker::Death death;
-    const auto answer = worker_->ask(
+    const auto answer = worker->ask(
         kAskDriver, options_.silent_seconds, [](double) {}, death);
     if (!answer) {
-      worker_.reset();
+      worker.reset();
       throw EnvironmentError("the GL driver cannot be started: its process " + death.how);
     }
     text = *answer;
@@ -76,32 +89,117 @@ CaseRunner::DriverName CaseRunner::driver() {
   return {text.substr(0, line), text.substr(line + 1)};
 }
 
-CaseRecord CaseRunner::run(std::size_t index, std::uint64_t seed, const JobProgress& progress) {
-  if (!options_.isolate) return run_here(index, seed, progress);
-  CaseRecord record = begun(cases_.at(index), seed, options_);
-  const auto start = Clock::now();
+void CaseRunner::begin(Place& place, const CaseJob& job) {
+  place.job = job, place.share = 0.0, place.start = Clock::now();
+  if (!place.worker)
+    place.worker =
+        std::make_unique<Worker>([this](const std::string& text, const JobProgress& p) { return serve(text, p); });
+  place.worker->give(std::to_string(job.index) + " " + std::to_string(job.seed), options_.silent_seconds);
+}
+
+/// Takes what the worker has to tell; true where that ends the job.
+bool CaseRunner::has_ended(Place& place, const JobProgress& progress, CaseRecord& record) {
+  record = begun(cases_.at(place.job->index), place.job->seed, options_);
   try {
-    if (!worker_)
-      worker_ =
-          std::make_unique<Worker>([this](const std::string& job, const JobProgress& p) { return serve(job, p); });
+    std::string answer;
     Worker::Death death;
-    const auto answer =
-        worker_->ask(std::to_string(index) + " " + std::to_string(seed), options_.silent_seconds, progress, death);
-    if (answer) {
-      record = case_from_json(*answer, record.name, 1);
-    } else {
-      record.status = CaseStatus::error;
-      record.message = "the case " + death.how;
+    switch (place.worker->news(progress, answer, death)) {
+      case Worker::News::none:
+      case Worker::News::alive:
+        return false;
+      case Worker::News::answer:
+        record = case_from_json(answer, record.name, 1);
+        break;
+      case Worker::News::death:
+        record.status = CaseStatus::error;
+        record.message = "the case " + death.how;
     }
   } catch (const std::exception& error) {
     record.status = CaseStatus::error;
     record.message = error.what();
   }
   if (record.status == CaseStatus::error) {
-    worker_.reset();
-    record.seconds = seconds_since(start);
+    place.worker.reset();
+    record.seconds = seconds_since(place.start);
   }
-  return record;
+  place.job.reset();
+  return true;
+}
+
+namespace {
+
+/// Which of the jobs not begun a place takes: the next one after its last where that is of the same scene; else the
+/// first whose scene no other place is at; else the first.
+std::size_t job_for(const std::vector<CaseJob>& jobs, const std::vector<Case>& cases, const std::vector<bool>& begun,
+                    std::optional<std::size_t> last, const std::set<std::string>& scenes_of_others) {
+  const auto scene = [&](std::size_t position) -> const std::string& { return cases[jobs[position].index].scene; };
+  if (last && *last + 1 < jobs.size() && !begun[*last + 1] && scene(*last + 1) == scene(*last)) return *last + 1;
+  std::size_t first = jobs.size();
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    if (begun[i]) continue;
+    if (scenes_of_others.count(scene(i)) == 0) return i;
+    first = std::min(first, i);
+  }
+  return first;
+}
+
+}  // namespace
+
+void CaseRunner::run_one_by_one(const std::vector<CaseJob>& jobs, const JobEvents& events) {
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    if (!events.may_begin(jobs[i])) continue;
+    const auto progress = [&](double share) {
+      events.progress(jobs[i], (static_cast<double>(i) + share) / static_cast<double>(jobs.size()));
+    };
+    progress(0.0);
+    events.ended(jobs[i], run_here(jobs[i].index, jobs[i].seed, progress));
+  }
+}
+
+void CaseRunner::run(const std::vector<CaseJob>& jobs, const JobEvents& events) {
+  if (!options_.isolate) {
+    run_one_by_one(jobs, events);
+    return;
+  }
+  std::vector<bool> begun(jobs.size(), false);
+  std::vector<std::optional<std::size_t>> last(places_.size());
+  std::size_t left = jobs.size();
+  const auto tell = [&](const CaseJob& job) {
+    double done = static_cast<double>(jobs.size() - left);
+    for (const auto& place : places_)
+      if (place->job) done += place->share - 1.0;
+    events.progress(job, done / static_cast<double>(jobs.size()));
+  };
+  for (;;) {
+    std::vector<Worker*> busy;
+    for (std::size_t k = 0; k < places_.size(); ++k) {
+      Place& place = *places_[k];
+      while (!place.job && left > 0) {
+        std::set<std::string> scenes_of_others;
+        for (const auto& other : places_)
+          if (other->job) scenes_of_others.insert(cases_[other->job->index].scene);
+        const std::size_t position = job_for(jobs, cases_, begun, last[k], scenes_of_others);
+        begun[position] = true, --left;
+        if (!events.may_begin(jobs[position])) continue;
+        last[k] = position;
+        begin(place, jobs[position]);
+        tell(jobs[position]);
+      }
+      if (place.job) busy.push_back(place.worker.get());
+    }
+    if (busy.empty()) return;
+    Worker::wait(busy);
+    for (const auto& place : places_) {
+      if (!place->job) continue;
+      const CaseJob job = *place->job;
+      const auto progress = [&](double share) {
+        place->share = share;
+        tell(job);
+      };
+      CaseRecord record;
+      if (has_ended(*place, progress, record)) events.ended(job, std::move(record));
+    }
+  }
 }
 
 }  // namespace plumbline

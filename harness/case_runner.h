@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Runs one case after the other in a process of their own: a case that crashes, hangs or loses the driver is an error,
+// Runs cases in processes of their own, several at once: a case that crashes, hangs or loses the driver is an error,
 // and the next one gets a new process.
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -13,6 +14,19 @@
 #include "harness/worker.h"
 
 namespace plumbline {
+
+/// Cases by their number, each with the seed that it is to run with.
+struct CaseJob {
+  std::size_t index = 0;
+  std::uint64_t seed = 0;
+};
+
+/// What becomes of jobs while they run. All are called from the thread that runs them.
+struct JobEvents {
+  std::function<bool(const CaseJob&)> may_begin;                   ///< false: the job is left out
+  std::function<void(const CaseJob&, double share)> progress;      ///< 0 to 1, of all the jobs
+  std::function<void(const CaseJob&, CaseRecord&& record)> ended;  ///< in the order in which they end
+};
 
 class CaseRunner {
  public:
@@ -26,17 +40,23 @@ class CaseRunner {
   /// Throws EnvironmentError where there is no driver.
   DriverName driver();
 
-  /// Runs cases[index] with the run's seed, or another. Never throws for what the case does.
-  CaseRecord run(std::size_t index, std::uint64_t seed, const JobProgress& progress);
+  /// Runs the jobs, options.jobs at once where cases are isolated. A process goes on with cases of its scene where it
+  /// can, since building one takes longer than most cases. Never throws for what a case does.
+  void run(const std::vector<CaseJob>& jobs, const JobEvents& events);
 
  private:
   std::string serve(const std::string& job, const JobProgress& progress);
   CaseRecord run_here(std::size_t index, std::uint64_t seed, const JobProgress& progress);
 
+  struct Place;  ///< where one case runs at a time
+  void run_one_by_one(const std::vector<CaseJob>& jobs, const JobEvents& events);
+  void begin(Place& place, const CaseJob& job);
+  bool has_ended(Place& place, const JobProgress& progress, CaseRecord& record);
+
   const std::vector<Case>& cases_;
   const RunOptions& options_;
   std::unique_ptr<Session> session_;  ///< of this process, where cases are not isolated, or of the worker
-  std::unique_ptr<Worker> worker_;
+  std::vector<std::unique_ptr<Place>> places_;
 };
 
 }  // namespace plumbline

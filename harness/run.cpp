@@ -4,6 +4,7 @@
 #include <sys/utsname.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <ctime>
 #include <fstream>
@@ -149,7 +150,9 @@ RunRecord run_cases(const std::vector<Case>& all, const RunOptions& options) {
                        "`, or choose another --out");
     run.started = earlier.started;
     run.cases = earlier.cases;
-    for (const CaseRecord& c : run.cases) done.insert(c.name), spent_before += c.seconds;
+    // Cases ran side by side: what they took together was spent in less.
+    const double together = options.isolate ? std::max(1, options.jobs) : 1;
+    for (const CaseRecord& c : run.cases) done.insert(c.name), spent_before += c.seconds / together;
     return opened;
   }();
 
@@ -161,40 +164,51 @@ RunRecord run_cases(const std::vector<Case>& all, const RunOptions& options) {
     std::fprintf(stderr, "%s %s: %s\n  replay: %s\n", record.status == CaseStatus::failed ? "FAILED" : "ERROR",
                  record.name.c_str(), record.message.c_str(), record.replay.c_str());
   };
-  for (std::size_t i = 0; i < cases.size(); ++i) {
-    const Case& c = cases[i];
-    if (done.count(c.name)) continue;
-    if (options.budget_seconds > 0.0 && spent() > options.budget_seconds) break;
-    const auto at = [&](double share) {
-      if (!options.quiet) progress.show((static_cast<double>(i) + share) / static_cast<double>(cases.size()), c.name);
-    };
-    at(0.0);
-    CaseRecord record = runner.run(i, options.seed, at);
-    judge_by_expectation(options.expected, driver.renderer + ", " + driver.version, run.started.substr(0, 10), record);
-    tell(record);
-    journal.append(record);
-    run.cases.push_back(std::move(record));
-  }
+  std::unordered_map<std::string, std::size_t> number;  // of a case, by its name
+  for (std::size_t i = 0; i < cases.size(); ++i) number.emplace(cases[i].name, i);
+  std::vector<CaseJob> jobs;
+  for (std::size_t i = 0; i < cases.size(); ++i)
+    if (done.count(cases[i].name) == 0) jobs.push_back({i, options.seed});
+  runner.run(jobs, {[&](const CaseJob&) { return options.budget_seconds <= 0.0 || spent() <= options.budget_seconds; },
+                    [&](const CaseJob& job, double share) {
+                      const double before = static_cast<double>(done.size());
+                      const double all_share =
+                          (before + share * static_cast<double>(jobs.size())) / static_cast<double>(cases.size());
+                      if (!options.quiet) progress.show(all_share, cases[job.index].name);
+                    },
+                    [&](const CaseJob&, CaseRecord&& record) {
+                      judge_by_expectation(options.expected, driver.renderer + ", " + driver.version,
+                                           run.started.substr(0, 10), record);
+                      tell(record);
+                      journal.append(record);
+                      run.cases.push_back(std::move(record));
+                    }});
+  // Cases end in any order; the record has that of the catalogue.
+  std::sort(run.cases.begin(), run.cases.end(),
+            [&](const CaseRecord& a, const CaseRecord& b) { return number.at(a.name) < number.at(b.name); });
   const auto deepen = [&](const std::vector<std::size_t>& numbers) {
-    std::unordered_map<std::string, std::size_t> position;
-    for (std::size_t i = 0; i < run.cases.size(); ++i) position[run.cases[i].name] = i;
     bool any = false;
-    for (const std::size_t i : numbers) {
-      CaseRecord& record = run.cases[position.at(cases[i].name)];
-      const auto passes = static_cast<double>(1 + passes_of(record));
-      if (spent() + record.seconds / passes > options.budget_seconds) continue;
-      const auto at = [&](double) {
-        if (!options.quiet) progress.show(spent() / options.budget_seconds, "more rays: " + cases[i].name);
-      };
-      at(0.0);
-      CaseRecord next = runner.run(i, pass_seed(options.seed, 1 + passes_of(record)), at);
-      tell(next);
-      add_pass(record, std::move(next));
-      journal.append(record);
-      any = true;
-    }
+    std::vector<CaseJob> passes;
+    for (const std::size_t i : numbers) passes.push_back({i, pass_seed(options.seed, 1 + passes_of(run.cases[i]))});
+    runner.run(passes, {[&](const CaseJob& job) {
+                          const CaseRecord& record = run.cases[job.index];
+                          const double cost = record.seconds / static_cast<double>(1 + passes_of(record));
+                          return spent() + cost <= options.budget_seconds;
+                        },
+                        [&](const CaseJob& job, double) {
+                          if (!options.quiet)
+                            progress.show(spent() / options.budget_seconds, "more rays: " + cases[job.index].name);
+                        },
+                        [&](const CaseJob& job, CaseRecord&& next) {
+                          CaseRecord& record = run.cases[job.index];
+                          tell(next);
+                          add_pass(record, std::move(next));
+                          journal.append(record);
+                          any = true;
+                        }});
     return any;
   };
+  // Further passes only where every case has had its first: then the number of a case is its place in the record.
   while (options.budget_seconds > 0.0 && run.cases.size() == cases.size() && spent() < options.budget_seconds &&
          deepen(worth_another_pass(cases, run.cases))) {
   }

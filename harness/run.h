@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Runs cases one after the other, records each when it ends, and writes the report.
+// Runs cases, records each when it ends, and writes the report.
 #pragma once
 
 #include <cstdint>
@@ -25,6 +25,7 @@ struct RunOptions {
   /// Cases run in a process of their own, so that one that crashes or hangs is an error and the others run on. Not
   /// where this process has threads or a GL context already.
   bool isolate = false;
+  int jobs = 1;                            ///< cases that run at once, where they are isolated
   double silent_seconds = 600.0;           ///< an isolated case that gives no sign of life for so long hangs
   std::filesystem::path history;           ///< database of earlier runs; empty: none
   std::vector<ExpectedFailure> expected;   ///< cases that are known to fail

@@ -20,8 +20,8 @@
 #include <cstdlib>
 #include <cstring>
 #include <mutex>
+#include <vector>
 
-#include "harness/clock.h"
 #include "scenes/error.h"
 
 namespace plumbline {
@@ -49,13 +49,19 @@ bool send(int descriptor, char kind, const std::string& text) {
 
 enum class Received { all, ended, silent };
 
+double seconds_until(Clock::time_point moment) {
+  return std::fmax(0.0, std::chrono::duration<double>(moment - Clock::now()).count());
+}
+
+/// For poll; rounded up, so that a deadline is past when the wait ends.
+int milliseconds(double seconds) { return static_cast<int>(std::ceil(1000.0 * std::fmin(seconds, 1e6))); }
+
 /// Reads `size` bytes; `silent` where none came before `deadline` (none: waits for ever).
 Received receive(int descriptor, char* bytes, std::size_t size, std::optional<Clock::time_point> deadline) {
   while (size > 0) {
     if (deadline) {
-      const double left = std::chrono::duration<double>(*deadline - Clock::now()).count();
       pollfd waiting{descriptor, POLLIN, 0};
-      const int ready = ::poll(&waiting, 1, static_cast<int>(std::ceil(1000.0 * std::fmin(std::fmax(left, 0.0), 1e6))));
+      const int ready = ::poll(&waiting, 1, milliseconds(seconds_until(*deadline)));
       if (ready < 0 && errno == EINTR) continue;
       if (ready == 0) return Received::silent;
     }
@@ -157,43 +163,82 @@ std::string Worker::end() {
   return "ended with exit status " + std::to_string(WIFEXITED(status) ? WEXITSTATUS(status) : -1);
 }
 
-std::optional<std::string> Worker::ask(const std::string& job, double silent_seconds, const JobProgress& progress,
-                                       Death& death) {
-  const auto deadline = [&] {
-    return Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(silent_seconds));
-  };
-  char kind = 0;
-  std::string text;
-  // A worker that is gone takes no job: what it died of is told all the same, and this process is not to die of it.
+void Worker::sign_of_life() {
+  deadline_ =
+      Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(silent_seconds_));
+}
+
+void Worker::give(const std::string& job, double silent_seconds) {
+  silent_seconds_ = silent_seconds;
+  sign_of_life();
+  if (process_ < 0) return;
+  // A worker that is gone takes no job: what it died of is told by news(), and this process is not to die of it.
   struct sigaction ignored {
   }, before{};
   ignored.sa_handler = SIG_IGN;
   ::sigaction(SIGPIPE, &ignored, &before);
-  const bool sent = process_ >= 0 && send(jobs_, 'J', job);
+  send(jobs_, 'J', job);
   ::sigaction(SIGPIPE, &before, nullptr);
-  Received got = sent ? receive(answers_, kind, text, deadline()) : Received::ended;
-  while (got == Received::all && kind == 'P') {
-    progress(std::strtod(text.c_str(), nullptr));
-    got = receive(answers_, kind, text, deadline());
+}
+
+void Worker::wait(std::span<Worker* const> workers) {
+  std::vector<pollfd> waiting;
+  double left = 1e6;
+  for (const Worker* worker : workers) {
+    if (worker->process_ < 0) return;
+    waiting.push_back({worker->answers_, POLLIN, 0});
+    left = std::fmin(left, seconds_until(worker->deadline_));
   }
+  ::poll(waiting.data(), waiting.size(), milliseconds(left));
+}
+
+Worker::News Worker::news(const JobProgress& progress, std::string& answer, Death& death) {
+  if (process_ < 0) {
+    death.how = end();
+    return News::death;
+  }
+  pollfd waiting{answers_, POLLIN, 0};
+  char kind = 0;
+  Received got = Received::silent;
+  if (::poll(&waiting, 1, 0) > 0)
+    got = receive(answers_, kind, answer, deadline_);
+  else if (Clock::now() < deadline_)
+    return News::none;
   if (got == Received::silent) {
     end();
     char seconds[32];
-    std::snprintf(seconds, sizeof seconds, "%g", silent_seconds);
+    std::snprintf(seconds, sizeof seconds, "%g", silent_seconds_);
     death.how = "hung: no sign of life for " + std::string(seconds) + " s, so it was killed";
-    return std::nullopt;
+    return News::death;
   }
   if (got == Received::ended) {
     // The pipe closes a moment before the process can be waited for.
     siginfo_t info{};
-    if (process_ >= 0) ::waitid(P_PID, static_cast<id_t>(process_), &info, WEXITED | WNOWAIT);
+    ::waitid(P_PID, static_cast<id_t>(process_), &info, WEXITED | WNOWAIT);
     death.how = end();
-    return std::nullopt;
+    return News::death;
   }
-  if (kind == 'I') throw InputError(text);
-  if (kind == 'V') throw EnvironmentError(text);
-  if (kind == 'X') throw std::runtime_error(text);
-  return text;
+  if (kind == 'P') {
+    sign_of_life();
+    progress(std::strtod(answer.c_str(), nullptr));
+    return News::alive;
+  }
+  if (kind == 'I') throw InputError(answer);
+  if (kind == 'V') throw EnvironmentError(answer);
+  if (kind == 'X') throw std::runtime_error(answer);
+  return News::answer;
+}
+
+std::optional<std::string> Worker::ask(const std::string& job, double silent_seconds, const JobProgress& progress,
+                                       Death& death) {
+  give(job, silent_seconds);
+  Worker* const self = this;
+  for (std::string answer;;) {
+    wait({&self, 1});
+    const News n = news(progress, answer, death);
+    if (n == News::answer) return answer;
+    if (n == News::death) return std::nullopt;
+  }
 }
 
 }  // namespace plumbline

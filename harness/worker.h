@@ -6,7 +6,10 @@
 
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
+
+#include "harness/clock.h"
 
 namespace plumbline {
 
@@ -34,12 +37,26 @@ class Worker {
   std::optional<std::string> ask(const std::string& job, double silent_seconds, const JobProgress& progress,
                                  Death& death);
 
+  // The same in steps, for several workers at once.
+
+  /// Hands over a job and returns. The answer to the one before must have been taken.
+  void give(const std::string& job, double silent_seconds);
+  /// Returns when one of them, each with a job, has something to tell or has been silent for too long.
+  static void wait(std::span<Worker* const> workers);
+  enum class News { none, alive, answer, death };
+  /// What there is to tell now, without waiting for more: a sign of life (told to `progress`), the answer, or a death.
+  /// Throws as `ask` does.
+  News news(const JobProgress& progress, std::string& answer, Death& death);
+
  private:
   [[noreturn]] void live(const Serve& serve, int jobs, int answers);
   std::string end();
+  void sign_of_life();
 
   pid_t process_ = -1;
   int jobs_ = -1, answers_ = -1;
+  double silent_seconds_ = 0.0;
+  Clock::time_point deadline_{};  ///< of the next sign of life
 };
 
 }  // namespace plumbline
