@@ -2,6 +2,7 @@
 // The command `list`: the catalogue, filtered, for people and for programs.
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -17,7 +18,7 @@ namespace {
 
 struct ListArguments {
   std::vector<std::string> patterns;
-  std::string feature, section, measured;
+  std::string feature, section, measured, ctest;
   bool long_form = false, json = false, names = false, only_features = false;
 };
 
@@ -29,6 +30,18 @@ void list_features(const std::vector<Case>& cases) {
       if (c.feature == f.name) cost += cost_of(c), ++count;
     std::printf("%-12s %10s %10s  %s\n", f.name.c_str(), counted(count, "case").c_str(), duration(cost).c_str(),
                 f.means.c_str());
+  }
+}
+
+/// A script for CTest: each case a test, with its feature as label and its report under `folder`.
+void list_tests(const std::vector<Case>& cases, const std::filesystem::path& folder) {
+  const std::string program = std::filesystem::read_symlink("/proc/self/exe").string();
+  for (const Case& c : cases) {
+    const std::string test = "[[case." + c.name + "]]";
+    std::printf("add_test(%s [[%s]] run [[%s]] --jobs 1 --history none --out [[%s]])\n", test.c_str(), program.c_str(),
+                c.name.c_str(), (folder / c.name).c_str());
+    std::printf("set_tests_properties(%s PROPERTIES LABELS [[case;%s]] TIMEOUT 900)\n", test.c_str(),
+                c.feature.c_str());
   }
 }
 
@@ -56,6 +69,8 @@ int list(const ListArguments& a, const CatalogueOptions& all) {
                      {"rays", c.rays},
                      {"seconds", cost_of(c)}});
     std::printf("%s\n", out.dump(1).c_str());
+  } else if (!a.ctest.empty()) {
+    list_tests(cases, a.ctest);
   } else if (a.names) {
     for (const Case& c : cases) std::printf("%s\n", c.name.c_str());
   } else {
@@ -82,6 +97,7 @@ void add_list_command(CLI::App& app, Commands& commands, std::function<Catalogue
   sub->add_flag("--features", a->only_features, "The features alone, with their number of cases and cost");
   sub->add_flag("--names", a->names, "Names alone");
   sub->add_flag("--json", a->json, "As JSON");
+  sub->add_option("--ctest", a->ctest, "As a script for CTest, each case a test; reports go under this folder");
   sub->add_option("--measured", a->measured, "Print instead what the cases of this run's folder cost (case_costs.txt)");
   commands.emplace_back(sub, [a, all] { return list(*a, all()); });
 }
