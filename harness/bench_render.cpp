@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Whole pictures by the production renderer: Figure 6 and Figure 1, and what each source of random numbers costs.
-// Seconds are of everything: rays made, walked and shaded, shadows and reflections, sums.
+// Seconds are of everything: rays made, walked and shaded, shadows and reflections, sums; the ratios of walks tell
+// where bundles win and where they lose.
 #include <array>
 #include <memory>
 
@@ -48,19 +49,37 @@ class RenderBench {
       settings.bundle = {size};
       of_size.push_back(std::make_unique<Renderer>(context_, scene, settings));
     }
-    std::array<std::vector<double>, 4> gain;
-    std::vector<double> growth;
+    std::array<std::vector<double>, 4> gain, primary, shadow, bounced;
+    std::vector<double> growth, walking;
     for (int round = -1; round < rounds_; ++round) {
       std::array<double, 4> spent{};
-      for (std::size_t i = 0; i < of_size.size(); ++i) spent[i] = seconds(*of_size[i], kSamples);
+      std::array<WalkSeconds, 4> walks{};
+      for (std::size_t i = 0; i < of_size.size(); ++i) {
+        const WalkSeconds before = of_size[i]->walk_seconds();
+        spent[i] = seconds(*of_size[i], kSamples);
+        const WalkSeconds after = of_size[i]->walk_seconds();
+        walks[i] = {after.primary - before.primary, after.shadow - before.shadow, after.bounced - before.bounced};
+      }
       const double two = seconds(*of_size[1], 2), sixteen = seconds(*of_size[1], 16);
       progress_(from + 0.3 * (round + 2) / (rounds_ + 1), "pictures of " + name);
       if (round < 0) continue;
-      for (std::size_t i = 1; i < of_size.size(); ++i) gain[i].push_back(spent[0] / spent[i]);
+      for (std::size_t i = 1; i < of_size.size(); ++i) {
+        gain[i].push_back(spent[0] / spent[i]);
+        primary[i].push_back(walks[0].primary / walks[i].primary);
+        shadow[i].push_back(walks[0].shadow / walks[i].shadow);
+        bounced[i].push_back(walks[0].bounced / walks[i].bounced);
+      }
+      walking.push_back((walks[0].primary + walks[0].shadow + walks[0].bounced) / spent[0]);
       growth.push_back(sixteen / two);
     }
-    for (std::size_t i = 1; i < of_size.size(); ++i)
-      add("picture_6.parallel_vs_naive." + name + "." + std::to_string(i + 1), "rays/s", gain[i], i == 1 ? paper : 0.0);
+    for (std::size_t i = 1; i < of_size.size(); ++i) {
+      const std::string of = "." + name + "." + std::to_string(i + 1);
+      add("picture_6.parallel_vs_naive" + of, "rays/s", gain[i], i == 1 ? paper : 0.0);
+      add("picture_6.walks_of_primary_rays" + of, "rays/s", primary[i]);
+      add("picture_6.walks_of_shadow_rays" + of, "rays/s", shadow[i]);
+      add("picture_6.walks_of_bounced_rays" + of, "rays/s", bounced[i]);
+    }
+    add("picture_6.share_of_walks." + name, "s", walking);
     add("picture_6.sixteen_rays_vs_two." + name, "s", growth, paper_growth);
   }
 

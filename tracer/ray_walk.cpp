@@ -22,9 +22,10 @@ constexpr std::uint32_t most_passes(std::uint32_t cells) { return 16 + cells / 1
 
 }  // namespace
 
-ShaderText spread_shader(bool has_transforms, GlslDialect dialect) {
+ShaderText spread_shader(int bundle, bool kinds, bool has_transforms, GlslDialect dialect) {
   const std::array<std::string_view, 1> files{"spread.frag.glsl"};
-  std::vector<ShaderDefine> defines;
+  std::vector<ShaderDefine> defines{{"BUNDLE_SIZE", std::to_string(bundle)}};
+  if (kinds) defines.emplace_back("BUNDLE_KINDS", "");
   if (has_transforms) defines.emplace_back("HAS_TRANSFORMS", "");
   return compose_shader(files, defines, {}, dialect);
 }
@@ -46,9 +47,9 @@ struct RayWalk::Impl {
   };
   std::array<Turns, 2> hits;  // by query
   std::vector<GlTexture> found;
-  GlFramebuffer found_framebuffer;
+  GlFramebuffer found_framebuffer, kinds_framebuffer;  // all of `found`; the first of each ray, of shadow rays
   FloatTargets<1> counted;
-  GlProgram count_program, spread_program;  // the latter for bundles that write results
+  GlProgram count_program, spread_results, spread_kinds;
   GlSampleCount count;
 
   Impl(GlContext& c, const GeometryImage& image, int rays, std::span<const ShaderPatch> p)
@@ -67,6 +68,13 @@ struct RayWalk::Impl {
       for (int i = 0; i < wanted; ++i)
         found.emplace_back(c, GL_RGBA32UI, GL_RGBA_INTEGER, GL_UNSIGNED_INT, kBatchWidth / bundle, kRenderRows);
       found_framebuffer = GlFramebuffer(c, found.data(), wanted);
+      kinds_framebuffer = GlFramebuffer(c, found.data(), bundle);
+      const auto spreading = [&](bool kinds) {
+        return GlProgram(c,
+                         link_program(c, probe_vertex_shader(), spread_shader(bundle, kinds, variant.has_transforms)));
+      };
+      spread_kinds = spreading(true);
+      if (bundle == kBundleWithResults) spread_results = spreading(false);
     }
     for (int i = 0; i < kPassTargets; ++i) state_names.push_back("u_state_" + std::to_string(i));
     for (int i = 0; i < 2 * kMostBundled; ++i) found_names.push_back("u_found_" + std::to_string(i));
@@ -76,8 +84,6 @@ struct RayWalk::Impl {
                                               ShaderDefine{"KIND_UNFINISHED", std::to_string(kWordUnfinished) + "u"}};
     count_program = GlProgram(c, link_program(c, probe_vertex_shader(), compose_shader(files, defines)));
     count = GlSampleCount(c);
-    if (bundle == kBundleWithResults)
-      spread_program = GlProgram(c, link_program(c, probe_vertex_shader(), spread_shader(variant.has_transforms)));
   }
 
   void set_constants(const GeometryImage& image) {
@@ -128,14 +134,14 @@ struct RayWalk::Impl {
   }
 
   /// Brings what bundles have written to where their rays stand.
-  void spread(const GlFramebuffer& into, int columns, int rows) {
+  void spread(const GlProgram& by, const GlFramebuffer& into, int columns, int rows) {
     const GlFunctions& gl = context->use();
-    spread_program.use();
+    by.use();
     for (std::size_t i = 0; i < found.size(); ++i)
-      spread_program.set(found_names[i].c_str(), kFirstStateUnit + static_cast<int>(i));
+      by.set(found_names[i].c_str(), kFirstStateUnit + static_cast<int>(i));
     gl.BindFramebuffer(GL_FRAMEBUFFER, into.name());
     gl.Disable(GL_DITHER);
-    spread_program.draw(columns, rows);
+    by.draw(columns, rows);
   }
 
   const HitTargets& trace(const RayTextures& rays, int columns, int rows, RayQuery query, bool together) {
@@ -150,10 +156,12 @@ struct RayWalk::Impl {
     } else {
       ProgramVariant bundled = pass, finish = pass;
       bundled.bundle = bundle;
-      draw(bundled, rays, false, found_framebuffer, columns / bundle, rows);
+      draw(bundled, rays, false, pass.any_hit ? kinds_framebuffer : found_framebuffer, columns / bundle, rows);
       bind_state(found);
-      if (bundle == kBundleWithResults) {
-        spread(turns.now.framebuffer, columns, rows);
+      if (pass.any_hit) {
+        spread(spread_kinds, turns.now.framebuffer, columns, rows);
+      } else if (bundle == kBundleWithResults) {
+        spread(spread_results, turns.now.framebuffer, columns, rows);
       } else {
         finish.finish = true;
         finish.found_bundle = bundle;

@@ -24,8 +24,9 @@ struct RayTextures {
   const GlTexture* directions = nullptr;
 };
 
-/// The fragment shader that brings what bundles of two have written to where their rays stand.
-ShaderText spread_shader(bool has_transforms, GlslDialect dialect = GlslDialect::glsl_330);
+/// The fragment shader that brings what bundles have written to where their rays stand: all results of two rays, or the
+/// kinds alone that shadow rays are asked for.
+ShaderText spread_shader(int bundle, bool kinds, bool has_transforms, GlslDialect dialect = GlslDialect::glsl_330);
 
 class RayWalk {
  public:

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 
 #include "scenes/camera.h"
@@ -104,6 +105,7 @@ struct Renderer::Impl {
   RenderTap* tap = nullptr;
   FloatTargets<3> tapped;
   std::uint64_t rays_traced = 0, passes = 0;
+  WalkSeconds walked;
   RenderBatch batch;
 
   Impl(GlContext& c, const Scene& given, const RenderSettings& asked)
@@ -272,9 +274,13 @@ struct Renderer::Impl {
     sum_now = 0;
   }
 
-  const HitTargets& walk_rays(const RayTextures& rays, RayQuery query, bool together = true) {
+  /// A walk ends with a question to the driver, and one comes before it (count_rays): so its time is its own.
+  const HitTargets& walk_rays(const RayTextures& rays, RayQuery query, double& seconds, bool together = true) {
     ++passes;
-    return walk.trace(rays, batch.columns, batch.rows, query, together);
+    const auto start = std::chrono::steady_clock::now();
+    const HitTargets& hits = walk.trace(rays, batch.columns, batch.rows, query, together);
+    seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return hits;
   }
 
   /// All that comes of rays of one number: their light, and the rays that leave where they hit.
@@ -282,7 +288,7 @@ struct Renderer::Impl {
     const std::uint32_t live = count_rays(rays);
     if (live == 0) return;
     rays_traced += live;
-    const HitTargets& hits = walk_rays(rays, RayQuery::nearest);
+    const HitTargets& hits = walk_rays(rays, RayQuery::nearest, bounce == 0 ? walked.primary : walked.bounced);
     if (tap != nullptr) tap_rays(ray, kNone, rays, hits);
     for (std::uint32_t light = 0; light < scene.lights.size(); ++light) add_light(ray, light, rays, hits);
     if (bounce >= settings.effects->depth || (!reflects && !refracts)) return;
@@ -308,7 +314,7 @@ struct Renderer::Impl {
     const std::uint32_t asked = count_rays(asking);
     if (asked == 0 && light > 0) return;
     rays_traced += asked;
-    const HitTargets& blocked = walk_rays(asking, RayQuery::any);
+    const HitTargets& blocked = walk_rays(asking, RayQuery::any, walked.shadow);
     if (tap != nullptr) tap_rays(ray, light, asking, blocked);
     const GlProgram& pass = begin(RenderPass::add_light, PassTap::none, ray, light);
     set_scene(pass);
@@ -447,7 +453,7 @@ struct Renderer::Impl {
 
   void read_channels(RenderedPicture& result) {
     make_primary_rays(true);
-    const HitTargets& hits = walk_rays(textures_of(primary), RayQuery::nearest, false);
+    const HitTargets& hits = walk_rays(textures_of(primary), RayQuery::nearest, walked.primary, false);
     draw_shading(RenderPass::channels, PassTap::none, 1, 0, textures_of(primary), hits, told.framebuffer);
     const std::vector<glm::vec4> surface = read(told.framebuffer, 0), numbers = read(told.framebuffer, 1);
     const auto number = [](float x) { return x < 0.0f ? kNone : static_cast<std::uint32_t>(x); };
@@ -557,5 +563,6 @@ RenderedPicture Renderer::moments() { return impl_->moments(); }
 void Renderer::set_tap(RenderTap* tap) { impl_->tap = tap; }
 std::uint64_t Renderer::rays_traced() const { return impl_->rays_traced; }
 std::uint64_t Renderer::passes() const { return impl_->passes; }
+WalkSeconds Renderer::walk_seconds() const { return impl_->walked; }
 
 }  // namespace plumbline

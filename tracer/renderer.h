@@ -67,6 +67,11 @@ class RenderTap {
   virtual void samples(const TappedBatch& batch, std::span<const glm::vec4> colors) = 0;
 };
 
+/// Seconds that rays have walked for, passes after walks not among them.
+struct WalkSeconds {
+  double primary = 0.0, shadow = 0.0, bounced = 0.0;  ///< bounced: reflected and refracted
+};
+
 /// Called with the share that is done; false ends the rendering.
 using RenderProgress = std::function<bool(double share)>;
 
@@ -102,6 +107,7 @@ class Renderer {
   /// Rays that have walked so far, shadow rays included, and passes that they took.
   std::uint64_t rays_traced() const;
   std::uint64_t passes() const;
+  WalkSeconds walk_seconds() const;
 
  private:
   struct Impl;

@@ -111,7 +111,7 @@ std::vector<ProgramVariant> walks() {
         add(), add(thorough), add(brute), add(brute, thorough), add(capture), add(capture, thorough), add(finish);
         add(renders), add(renders, thorough), add(any), add(any, thorough);
         for (const int rays : {2, 3, 4}) add(bundle(rays)), add(any, bundle(rays));
-        add(renders, found(2 + number % 3)), add(any, found(2 + number % 3));
+        add(renders, found(2 + number % 3));
       }
     }
   }
@@ -129,8 +129,8 @@ std::vector<Judged> all_walks() {
 
 std::vector<Judged> all_shading() {
   std::vector<Judged> all{{accumulate_shader(GlslDialect::es_300)},
-                          {spread_shader(false, GlslDialect::es_300)},
-                          {spread_shader(true, GlslDialect::es_300)}};
+                          {spread_shader(2, false, false, GlslDialect::es_300)},
+                          {spread_shader(2, false, true, GlslDialect::es_300)}};
   for (int bits = 0; bits < 64; ++bits) {
     ShadingVariant v;
     v.has_triangles = (bits & 1) != 0, v.has_spheres = (bits & 2) != 0, v.has_transforms = (bits & 4) != 0;

@@ -232,7 +232,9 @@ ShaderText probe_fragment_shader(const ProgramVariant& variant, std::span<const 
   if (variant.count_visits) defines.emplace_back("COUNT_VISITS", "");
   if (variant.finish) defines.emplace_back("FINISH", "");
   // GLSL ES promises four targets only: there every bundle leaves its results to another pass.
-  if (variant.bundle == kBundleWithResults && dialect == GlslDialect::glsl_330)
+  if (variant.bundle > 1 && variant.any_hit)
+    defines.emplace_back("BUNDLE_KINDS", "");
+  else if (variant.bundle == kBundleWithResults && dialect == GlslDialect::glsl_330)
     defines.emplace_back("BUNDLE_RESULTS", "");
   if (variant.rendering) defines.emplace_back("RENDERING", "");
   if (variant.any_hit) defines.emplace_back("ANY_HIT", "");
@@ -250,7 +252,7 @@ ShaderText probe_fragment_shader(const ProgramVariant& variant, std::span<const 
   if (variant.has_transforms && !variant.brute_force) files.emplace_back("change_space.glsl");
   if (variant.has_transforms && variant.bundle > 1) files.emplace_back("bundle_space.glsl");
   files.emplace_back("ray_start.glsl");
-  if (variant.bundle == 1 || variant.bundle == kBundleWithResults) files.emplace_back("result.glsl");
+  if (variant.bundle == 1 || (variant.bundle == kBundleWithResults && !variant.any_hit)) files.emplace_back("result.glsl");
   files.emplace_back(variant.bundle > 1 ? "bundle.frag.glsl" : "probe.frag.glsl");
   return compose_shader(files, defines, patches, dialect);
 }

@@ -1,19 +1,23 @@
 // SPDX-License-Identifier: MIT
 // One bundle per pixel: rays come from a texture. Drivers have eight targets. Of two rays these hold all that there is to
 // tell (result.glsl), the first ray's before the second's. Of more rays the nearest hit of each goes to two; what follows
-// from it, position and normal, is another pass's to compute.
+// from it, position and normal, is another pass's to compute. Of shadow rays only the kind of the hit is asked: one target.
 
 // Of ray k, targets 2 k and 2 k + 1: t (in the space of the hit), label (negative: the ray must walk alone), address,
 // steps of the bundle; weights, t and space by the world's count (candidate.glsl).
 layout(location = 0) out uvec4 out_0;
 layout(location = 1) out uvec4 out_1;
+#if !defined(BUNDLE_KINDS) || BUNDLE_SIZE > 2
 layout(location = 2) out uvec4 out_2;
+#endif
+#if !defined(BUNDLE_KINDS) || BUNDLE_SIZE > 3
 layout(location = 3) out uvec4 out_3;
-#if BUNDLE_SIZE > 2 || defined(BUNDLE_RESULTS)
+#endif
+#if !defined(BUNDLE_KINDS) && (BUNDLE_SIZE > 2 || defined(BUNDLE_RESULTS))
 layout(location = 4) out uvec4 out_4;
 layout(location = 5) out uvec4 out_5;
 #endif
-#if BUNDLE_SIZE > 3 || (defined(BUNDLE_RESULTS) && defined(HAS_TRANSFORMS))
+#if !defined(BUNDLE_KINDS) && (BUNDLE_SIZE > 3 || (defined(BUNDLE_RESULTS) && defined(HAS_TRANSFORMS)))
 layout(location = 6) out uvec4 out_6;
 layout(location = 7) out uvec4 out_7;
 #endif
@@ -38,13 +42,19 @@ void settle(int octant) {
   is_anyone_walking = is_anyone_walking || rest.in_space == REST_NONE;
 }
 
-#ifdef BUNDLE_RESULTS
+#ifdef BUNDLE_KINDS
+// Of the ray at hand: kind, 0, steps of the bundle, 0.
+uvec4 kind_of_ray() {
+  bool hit = nearest.label < NO_LABEL;
+  bool is_alone = !walk.ended || rest.alone || (nearest.pending >= 0 && !hit);
+  uint kind = !ray.defined ? KIND_UNDEFINED : hit ? KIND_HIT : KIND_MISS;
+  return uvec4(is_alone ? KIND_UNFINISHED : kind, 0u, walk.steps, 0u);
+}
+#define WRITE(K, A) TAKE_RAY(K) A = kind_of_ray();
+#elif defined(BUNDLE_RESULTS)
 // Of the ray at hand; where another pass must trace it, a state without a label.
 void make_result(float t_max) {
   bool waits = nearest.pending >= 0;
-#ifdef ANY_HIT
-  waits = waits && !(nearest.label < NO_LABEL);
-#endif
   bool complete = write_result(t_max);
   result_0.w = 0u;  // tests and transforms are the bundle's, not its own
 #ifdef HAS_TRANSFORMS
@@ -108,7 +118,16 @@ void main() {
 #else
   if (!walk.ended) walk_tree();
 #endif
-#if defined(BUNDLE_RESULTS) && defined(HAS_TRANSFORMS)
+#ifdef BUNDLE_KINDS
+  WRITE(0, out_0)
+  WRITE(1, out_1)
+#if BUNDLE_SIZE > 2
+  WRITE(2, out_2)
+#endif
+#if BUNDLE_SIZE > 3
+  WRITE(3, out_3)
+#endif
+#elif defined(BUNDLE_RESULTS) && defined(HAS_TRANSFORMS)
   WRITE(0, out_0, out_1, out_2, out_3)
   WRITE(1, out_4, out_5, out_6, out_7)
 #elif defined(BUNDLE_RESULTS)
