@@ -50,16 +50,18 @@ std::string alike(const std::vector<Case>& cases, const std::string& pattern) {
 }
 
 /// The tracer's samples and perturbations, with each source of random numbers.
-std::vector<Case> tracer_statistics() {
+std::vector<Case> tracer_statistics(bool few_frames) {
   std::vector<Case> cases = density_cases(reference_perturbations());
   const auto add = [&](std::vector<Case> more) {
     for (Case& c : more) cases.push_back(std::move(c));
   };
   for (const RandomKind random : {RandomKind::hash, RandomKind::md5, RandomKind::texture})
     add(density_cases(tracer_perturbations(random)));
-  add(independent_cases([](CaseContext&) { return make_tracer_engine; }));
+  DrtOptions depth;
+  if (few_frames) depth.single_frames = 4, depth.pair_frames = depth.all_frames = 1;
+  add(independent_cases([](CaseContext&) { return make_tracer_engine; }, depth));
   // Of the image of noise one effect at a time: pairs and all together ask nothing more of a source of numbers.
-  DrtOptions texture;
+  DrtOptions texture = depth;
   texture.name = "texture";
   texture.pixels_independent = false;
   RenderSettings with_texture;
@@ -84,7 +86,7 @@ const std::vector<Feature>& features() {
       {"bake", "trees, links and bounds are sound, in every variant"},
       {"transforms", "instances, nested, mirrored and moving"},
       {"bundles", "rays that walk the tree together"},
-      {"drt", "all effects of distributed ray tracing at once"},
+      {"combined", "effects of distributed ray tracing in pairs, and all at once"},
       {"shading", "light, reflection and refraction"},
       {"aa", "anti-aliasing"},
       {"dof", "depth of field"},
@@ -131,7 +133,7 @@ std::vector<Case> make_catalogue(const CatalogueOptions& options) {
     cases.push_back(drift_case());
     cases.push_back(bunnies_case(options.moved_rays));
     add(closed_form_cases(picture_sources, options.profile_samples));
-    add(tracer_statistics());
+    add(tracer_statistics(options.few_frames));
     add(model_bias_cases());
   }
   return cases;

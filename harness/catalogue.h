@@ -54,6 +54,7 @@ struct CatalogueOptions {
   std::uint64_t bundle_rays = 1 << 6;       ///< per family, size of bundle, way out of a transform, and scene
   std::uint64_t profile_samples = 1 << 14;  ///< for each point of a profile that is known in closed form
   std::vector<ListedScene> pictures;        ///< scenes for renderers alone
+  bool few_frames = false;                  ///< statistics of pictures at a third of their depth or less
   bool whole = false;                       ///< the cases that have scenes of their own, too
   std::uint64_t brute_force_tests =
       40'000'000;  ///< primitive tests per scene in the brute-force layer, spread over all families

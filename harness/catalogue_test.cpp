@@ -30,8 +30,8 @@ TEST_CASE("Case names are unique, dotted, and every case says what it proves") {
     CHECK(c.name.find('.') != std::string::npos);
     CHECK(c.name.find(' ') == std::string::npos);
     CHECK(c.proves.size() > 20);
-    // drt.closed_form.dof.edge_far.paper is of the feature dof; where several effects meet the feature is shading or drt.
-    if (c.name.starts_with("drt.") && c.feature != "shading" && c.feature != "drt")
+    // drt.closed_form.dof.edge_far.paper is of the feature dof; where several effects meet the feature is combined.
+    if (c.name.starts_with("drt.") && c.feature != "shading" && c.feature != "combined")
       CHECK((c.name + ".").find("." + c.feature + ".") != std::string::npos);
     CHECK(std::any_of(features().begin(), features().end(), [&](const Feature& f) { return f.name == c.feature; }));
     // What questions the driver, or the reference itself, is no matter of the paper's.

@@ -140,6 +140,7 @@ CatalogueOptions conformance_catalogue() {
   CatalogueOptions options = catalogue_options(std::move(scenes), 0, 0);
   options.pictures = effect_scenes();
   options.whole = true;
+  options.few_frames = true;
   options.transform_rays = 1 << 12;
   options.moved_rays = 1 << 8;
   return options;

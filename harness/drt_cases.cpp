@@ -33,9 +33,9 @@ std::vector<DrtScene> scenes_for_all() {
 
 std::string model_name(Effects::Model model) { return model == Effects::Model::paper ? "paper" : "physical"; }
 
-/// The effect where there is one alone.
+/// The effect where there is one alone; `combined` where several meet.
 std::string feature_of(const std::vector<std::string>& effects) {
-  return effects.size() == 1 ? effects.front() : "shading";
+  return effects.size() == 1 ? effects.front() : "combined";
 }
 
 Case named_case(const std::string& name, const std::string& feature, const DrtScene& scene, const std::string& proves) {

@@ -101,7 +101,7 @@ void run_paired(CaseContext& context, const Case& self, CaseRecord& record, Pair
                    ", ray " + std::to_string(worst.ray) + ", " + name_of(worst.step) + ": " + worst.event;
 }
 
-std::string feature_of(PairedEffects effects) { return effects == PairedEffects::all ? "shading" : name_of(effects); }
+std::string feature_of(PairedEffects effects) { return effects == PairedEffects::all ? "combined" : name_of(effects); }
 
 Case paired_case(const ListedScene& scene, PairedEffects effects, std::uint64_t samples) {
   Case c;

@@ -61,7 +61,8 @@ TEST_CASE("An engine under test gets each effect alone, all ten pairs and all to
   int pairs = 0;
   for (const Case& c : cases) {
     CHECK(names.insert(c.name).second);
-    CHECK((c.feature == "shading" || (c.name + ".").find("." + c.feature + ".") != std::string::npos));
+    CHECK((c.feature == "shading" || c.feature == "combined" ||
+           (c.name + ".").find("." + c.feature + ".") != std::string::npos));
     pairs += c.name.rfind("drt.pairs.", 0) == 0 && c.scene == "figure_1";
   }
   CHECK(pairs == 20);
