@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <set>
 
+#include "harness/checked_pictures.h"
 #include "harness/closed_form_cases.h"
 #include "harness/densities.h"
 #include "harness/drt_cases.h"
@@ -120,7 +121,8 @@ std::vector<Case> make_catalogue(const CatalogueOptions& options) {
     cases.push_back(bake_file_case(scene));
     cases.push_back(verify_case(scene));
     // These put other scenes on the stage, so they come last.
-    add(paired_cases(scene, options.paired_samples, true));
+    if (options.paired_samples > 0) add(paired_cases(scene, options.paired_samples, true));
+    if (options.checked) cases.push_back(checked_picture_case(scene, *options.checked));
     if (scene.moves) cases.push_back(frames_case(scene, options.moved_rays));
     if (scene.has_nodes) cases.push_back(updates_case(scene, options.moved_rays));
   }

@@ -5,12 +5,14 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "harness/scene_list.h"
 #include "harness/session.h"
 #include "reports/record.h"
+#include "tracer/shader_source.h"
 
 namespace plumbline {
 
@@ -43,6 +45,14 @@ struct Feature {
 };
 const std::vector<Feature>& features();
 
+/// Pictures of each scene whose hits are compared, tracer against reference (checked_pictures.h).
+struct CheckedPictures {
+  int width = 48, height = 36;       ///< pixels
+  std::uint32_t frames = 0;          ///< samples of each pixel, made a multiple of 64; 0: as many as `seconds` allow
+  double seconds = 20.0;             ///< for a picture, by what a few frames take
+  std::vector<ShaderPatch> patches;  ///< faults on purpose
+};
+
 struct CatalogueOptions {
   std::vector<ListedScene> scenes;          ///< whose hits are compared
   std::uint64_t hits_rays = 1 << 14;        ///< per family and scene
@@ -50,11 +60,12 @@ struct CatalogueOptions {
   std::uint64_t transform_rays = 1 << 14;   ///< per family, way out of a transform, and scene of instances
   std::uint64_t moved_rays = 1 << 9;        ///< per family and frame, after updates, and per variant there
   std::uint64_t captured_rays = 1 << 12;    ///< of a picture of each scene, the scenes of pictures too
-  std::uint64_t paired_samples = 2400;      ///< per scene and effect
+  std::uint64_t paired_samples = 2400;      ///< per scene and effect; 0: none are compared
   std::uint64_t bundle_rays = 1 << 6;       ///< per family, size of bundle, way out of a transform, and scene
   std::uint64_t profile_samples = 1 << 14;  ///< for each point of a profile that is known in closed form
   std::vector<ListedScene> pictures;        ///< scenes for renderers alone
   bool few_frames = false;                  ///< statistics of pictures at a third of their depth or less
+  std::optional<CheckedPictures> checked;   ///< none in the nightly, which has cases of more kinds
   bool whole = false;                       ///< the cases that have scenes of their own, too
   std::uint64_t brute_force_tests =
       40'000'000;  ///< primitive tests per scene in the brute-force layer, spread over all families

@@ -14,6 +14,7 @@
 #include "harness/bench.h"
 #include "harness/bench_paper.h"
 #include "harness/catalogue.h"
+#include "harness/checked_pictures.h"
 #include "harness/commands.h"
 #include "harness/faults.h"
 #include "harness/help.h"
@@ -97,10 +98,11 @@ std::string joined(int argc, char** argv) {
 /// What the subcommands share.
 struct Arguments {
   std::vector<std::string> patterns;
-  std::string scene, shard, budget, json, history;
+  std::string scene, shard, budget, json, history, picture_size;
   std::string out = "out", expected = expected_failures_file().string();
   std::uint64_t seed = 1, rays = 0;
-  bool resume = false, quick = false, paper = false;
+  std::uint32_t picture_frames = 0;
+  bool resume = false, quick = false, paper = false, no_pictures = false;
   int rounds = 7;
   /// The driver and Embree use all cores while they trace; what lies between is one thread's, hence more at once. Each
   /// takes up to 0.4 GB of memory.
@@ -152,7 +154,7 @@ bool names_features(const std::vector<std::string>& patterns) {
   });
 }
 
-int run(const Arguments& a, RunOptions options, const CatalogueOptions& catalogue) {
+RunRecord run(const Arguments& a, RunOptions options, const CatalogueOptions& catalogue) {
   if (!a.shard.empty()) parse_shard(a.shard, options);
   if (!a.budget.empty()) options.budget_seconds = parse_duration(a.budget);
   options.seed = a.seed;
@@ -162,7 +164,7 @@ int run(const Arguments& a, RunOptions options, const CatalogueOptions& catalogu
   options.jobs = a.jobs;
   options.expected = read_expected_failures(a.expected);
   if (a.history != "none") options.history = a.history;
-  return exit_status(run_cases(select_cases(make_catalogue(catalogue), a.patterns), options));
+  return run_cases(select_cases(make_catalogue(catalogue), a.patterns), options);
 }
 
 /// What the catalogue must know of a user's scene. It is loaded in a process of its own: one that crashes the reader is
@@ -184,7 +186,20 @@ int check(const Arguments& a, RunOptions options) {
   Arguments arguments = a;
   arguments.history = "none";
   options.replay = "./plumbline check " + quoted(a.scene);
-  return run(arguments, options, catalogue_options({look_at(a.scene)}, a.rays ? a.rays : 1 << 16, 0));
+  CheckedPictures pictures;
+  if (!a.picture_size.empty()) parse_size("--picture-size", a.picture_size, pictures.width, pictures.height);
+  if (std::min(pictures.width, pictures.height) < 8 || std::max(pictures.width, pictures.height) > 1024)
+    throw InputError("--picture-size takes sides of 8 to 1024 pixels; it is '" + a.picture_size + "'");
+  pictures.frames = a.picture_frames;
+  CatalogueOptions catalogue = catalogue_options({look_at(a.scene)}, a.rays ? a.rays : 1 << 16, 0);
+  if (a.no_pictures) {
+    catalogue.paired_samples = 0;
+  } else {
+    catalogue.checked = pictures;
+  }
+  const RunRecord record = run(arguments, options, catalogue);
+  std::fputs(a.no_pictures ? "Pictures: left out by --no-pictures\n" : pictures_text(record).c_str(), stdout);
+  return exit_status(record);
 }
 
 int bench(const Arguments& a) {
@@ -272,10 +287,16 @@ int dispatch(int argc, char** argv) {
   add_run_options(run_sub);
 
   CLI::App* check_sub =
-      app.add_subcommand("check", "Examine your own scene: every ray family, every variant, brute force");
+      app.add_subcommand("check", "Examine your own scene: every ray family, every variant, brute force, pictures");
   check_sub->add_option("SCENE", a.scene, "Scene file or generator")->required();
   check_sub->add_option("PATTERN", a.patterns, "Cases of the scene, as `run` names them; all if none");
   check_sub->add_option("--seed", a.seed, "Seed of all rays")->check(kSeed)->capture_default_str();
+  check_sub->add_option("--picture-size", a.picture_size, "Of the pictures compared, WIDTHxHEIGHT; 48x36 if not given");
+  check_sub
+      ->add_option("--picture-frames", a.picture_frames,
+                   "Samples of each pixel; as many as 20 seconds allow, at most 1024, if not given")
+      ->check(CLI::Range(1u, 1u << 20));
+  check_sub->add_flag("--no-pictures", a.no_pictures, "Compare rays alone");
   add_run_options(check_sub);
 
   Commands commands;
@@ -327,12 +348,12 @@ int dispatch(int argc, char** argv) {
     if (nightly_seed->count() == 0) a.seed = seed_of_today();
     if (nightly_budget->count() == 0) a.budget = "18m";
     if (a.budget == "none") a.budget.clear();
-    return run(a, options, whole_catalogue(a.rays, kNightlyRays));
+    return exit_status(run(a, options, whole_catalogue(a.rays, kNightlyRays)));
   }
   if (*run_sub) {
     if (run_sub->get_option("--history")->count() == 0) a.history = "none";
-    return run(a, options,
-               a.rays == 0 && names_features(a.patterns) ? conformance_catalogue() : whole_catalogue(a.rays, 0));
+    return exit_status(run(
+        a, options, a.rays == 0 && names_features(a.patterns) ? conformance_catalogue() : whole_catalogue(a.rays, 0)));
   }
   if (*check_sub) return check(a, options);
   for (const auto& [sub, act] : commands)

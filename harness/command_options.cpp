@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Options that several subcommands have, and how their values are read.
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -85,6 +86,15 @@ Scene load_to_trace(const std::string& spec) {
   for (const std::string& warning : scene.warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
   if (placed_count(scene) == 0) throw InputError(spec + ": nothing to trace in this scene");
   return scene;
+}
+
+void parse_size(const std::string& option, const std::string& text, int& width, int& height) {
+  const char* const end = text.data() + text.size();
+  const auto [x, width_error] = std::from_chars(text.data(), end, width);
+  const bool has_x = width_error == std::errc() && x != end && *x == 'x';
+  const auto [last, height_error] = std::from_chars(has_x ? x + 1 : end, end, height);
+  if (!has_x || height_error != std::errc() || last != end || width < 1 || height < 1)
+    throw InputError(option + " takes WIDTHxHEIGHT, such as 640x480; it is '" + text + "'");
 }
 
 double parse_time(const std::string& text) {

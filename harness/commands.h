@@ -36,6 +36,8 @@ BakeOptions parse_bake_options(const std::string& text, BakeOptions options);
 void add_transform_out(CLI::App& sub, TransformOut& out);
 /// Loads a scene and prints its warnings. Throws InputError, also where it shows no primitives.
 Scene load_to_trace(const std::string& spec);
+/// A size in pixels, "640x480", that `option` was given.
+void parse_size(const std::string& option, const std::string& text, int& width, int& height);
 /// Seconds of an animation.
 double parse_time(const std::string& text);
 

@@ -85,8 +85,10 @@ class Comparer {
     result_.frames = first.frames;
     result_.batches = static_cast<std::uint32_t>(tested.size());
     result_.level = options.level;
-    result_.mean_tested = mean_of(tested);
-    result_.mean_truth = mean_of(truth);
+    result_.tested = mean_picture(tested);
+    result_.truth = mean_picture(truth);
+    result_.mean_tested = mean_of(result_.tested);
+    result_.mean_truth = mean_of(result_.truth);
     brightness_ = (result_.mean_truth.x + result_.mean_truth.y + result_.mean_truth.z) / 3.0;
   }
 
@@ -102,11 +104,16 @@ class Comparer {
   }
 
  private:
-  static glm::dvec3 mean_of(const std::vector<PictureMoments>& batches) {
-    glm::dvec3 sum(0.0);
+  static std::vector<glm::dvec3> mean_picture(const std::vector<PictureMoments>& batches) {
+    std::vector<glm::dvec3> mean(batches.front().mean.size(), glm::dvec3(0.0));
     for (const PictureMoments& batch : batches)
-      for (const glm::dvec3& color : batch.mean) sum += color;
-    return sum / (static_cast<double>(batches.size()) * static_cast<double>(batches.front().mean.size()));
+      for (std::size_t i = 0; i < mean.size(); ++i) mean[i] += batch.mean[i] / static_cast<double>(batches.size());
+    return mean;
+  }
+  static glm::dvec3 mean_of(const std::vector<glm::dvec3>& picture) {
+    glm::dvec3 sum(0.0);
+    for (const glm::dvec3& color : picture) sum += color;
+    return sum / static_cast<double>(picture.size());
   }
   double level_of_others() const { return options_.level * (1.0 - kSpreadShare) / kOthers; }
   double rounding(std::size_t pixel, int channel) const {
@@ -398,6 +405,7 @@ std::string PictureComparison::verdict() const {
   for (const TestFamily& family : families)
     if (family.alarm()) text += (text.empty() ? "" : "; ") + family.name + ": " + family.worst;
   if (!text.empty()) return text;
+  if (whole_detectable == 0.0) return "no difference; no sample varies";
   return "no difference; a bias of " + value_text(100.0 * whole_detectable) +
          " % of the mean would be seen with probability 0.99";
 }

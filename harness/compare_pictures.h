@@ -65,6 +65,7 @@ struct PictureComparison {
   glm::dvec3 mean_tested{0.0}, mean_truth{0.0};  ///< of the whole picture
   double whole_student_p = 1.0;                  ///< Student's, of the whole picture's brightness: uniform
   double whole_detectable = 0.0;                 ///< bias of the whole picture's mean, as a share of it
+  std::vector<glm::dvec3> tested, truth;         ///< mean pictures over all batches, linear colour
   std::vector<float> z;          ///< of each pixel's brightness; 0 where there is no noise and no difference
   std::vector<double> p_values;  ///< of the pixels that have noise enough
   std::vector<TestFamily> families;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "reports/format.h"
 #include "reports/picture.h"
@@ -78,6 +79,10 @@ void record_comparison(const PictureComparison& comparison, const std::filesyste
     record.tables.push_back(std::move(fits));
   }
 
+  for (const auto& [picture, name, title] : {std::tuple{&comparison.tested, ".tested", "The tested engine's picture"},
+                                             std::tuple{&comparison.truth, ".truth", "The reference's picture"}})
+    record.pictures.push_back(save_picture(paint_colors(*picture, comparison.width, comparison.height), folder,
+                                           stem + name, title, "The mean of all its samples."));
   record.pictures.push_back(save_picture(
       paint_signed(comparison.z, comparison.width, comparison.height, "standard deviations", 4.0), folder, stem + ".z",
       "Map of z",

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The command `render`: a scene becomes a picture, or a sequence of them.
-#include <charconv>
 #include <chrono>
 #include <cstdio>
 #include <memory>
@@ -22,15 +21,6 @@ struct RenderArguments {
   std::uint32_t images = 0;  // of an animation
   RenderSettings settings;
 };
-
-void parse_size(const std::string& text, RenderSettings& settings) {
-  const char* const end = text.data() + text.size();
-  const auto [x, width_error] = std::from_chars(text.data(), end, settings.width);
-  const bool has_x = width_error == std::errc() && x != end && *x == 'x';
-  const auto [last, height_error] = std::from_chars(has_x ? x + 1 : end, end, settings.height);
-  if (!has_x || height_error != std::errc() || last != end || settings.width < 1 || settings.height < 1)
-    throw InputError("--size takes WIDTHxHEIGHT, such as 640x480; it is '" + text + "'");
-}
 
 RandomKind parse_random(const std::string& name) {
   return name == "md5" ? RandomKind::md5 : name == "texture" ? RandomKind::texture : RandomKind::hash;
@@ -130,7 +120,7 @@ void render_one(Engine& engine, const RenderArguments& a, double time, const std
 int render_scene(RenderArguments a) {
   require_picture_name(a.output);
   const Scene scene = load_to_trace(a.scene);
-  if (!a.size.empty()) parse_size(a.size, a.settings);
+  if (!a.size.empty()) parse_size("--size", a.size, a.settings.width, a.settings.height);
   if (!a.time.empty()) a.settings.time = parse_time(a.time);
   a.settings.random = parse_random(a.random);
   a.settings.effects = scene.effects;

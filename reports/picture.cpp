@@ -75,6 +75,17 @@ Picture paint_signed(std::span<const float> values, int width, int height, const
   return picture;
 }
 
+Picture paint_colors(std::span<const glm::dvec3> colors, int width, int height) {
+  Picture picture = blank(colors.size(), width, height);
+  const auto byte = [](double linear) {
+    const float clamped = linear > 0.0 ? static_cast<float>(std::min(linear, 1.0)) : 0.0f;
+    return static_cast<std::uint8_t>(std::lround(255.0f * to_srgb(clamped)));
+  };
+  for (std::size_t i = 0; i < colors.size(); ++i)
+    picture.pixels[i] = {byte(colors[i].x), byte(colors[i].y), byte(colors[i].z)};
+  return picture;
+}
+
 Picture paint_primitives(std::span<const std::uint32_t> primitives, std::span<const float> brightness, int width,
                          int height) {
   Picture picture = blank(primitives.size(), width, height);

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <glm/glm.hpp>
 #include <limits>
 #include <span>
 #include <string>
@@ -36,6 +37,9 @@ Picture paint_values(std::span<const float> values, int width, int height, const
 
 /// Values of either sign by colour, from -limit to limit > 0: blue below zero, orange above.
 Picture paint_signed(std::span<const float> values, int width, int height, const std::string& unit, double limit);
+
+/// Linear colours as a screen shows them: clamped to [0, 1], sRGB; a NaN is black.
+Picture paint_colors(std::span<const glm::dvec3> colors, int width, int height);
 
 /// Primitive numbers (kNone: a miss) by colour. `brightness` in [0, 1] (|cosine| between ray and normal, say) makes the
 /// shape seen; empty: flat.

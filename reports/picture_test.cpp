@@ -37,6 +37,13 @@ TEST_CASE("picture: known colours") {
   CHECK(hex_color({1, 171, 255}) == "#01abff");
 }
 
+TEST_CASE("picture: colours are shown as a screen shows linear light") {
+  const std::vector<glm::dvec3> colors = {{0.0, 1.0, 0.5}, {-1.0, 7.0, std::nan("")}};
+  const Picture picture = paint_colors(colors, 2, 1);
+  CHECK(picture.pixels[0] == Rgb{0, 255, 188});  // IEC 61966-2-1: 1.055 * 0.5^(1/2.4) - 0.055 = 0.7354
+  CHECK(picture.pixels[1] == Rgb{0, 255, 0});
+}
+
 TEST_CASE("picture: primitives and verdicts are told apart") {
   std::set<Rgb> colors;
   for (std::uint32_t i = 0; i < 1000; ++i) colors.insert(primitive_color(i));
