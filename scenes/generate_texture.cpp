@@ -38,13 +38,28 @@ float cobbles(int x, int y, int n) {
   return static_cast<float>(r < 1.0 ? height * std::sqrt(1.0 - r) : 0.0);
 }
 
+/// A wall in running bond: bricks of two pieces by one, with joints between them; each brick has a shade of its own.
+float bricks(int x, int y, int n) {
+  const int row = y / kTexelsPerPiece, shifted = (x + row % 2 * kTexelsPerPiece) % (n * kTexelsPerPiece);
+  const int brick = shifted / (2 * kTexelsPerPiece);
+  Random random(1, name_hash("bricks"), static_cast<std::uint64_t>(row * n + brick));
+  const double shade = random.uniform(0.72, 1.0);
+  const double across = shifted % (2 * kTexelsPerPiece) + 0.5, up = y % kTexelsPerPiece + 0.5;
+  const double to_edge = std::min({across, 2.0 * kTexelsPerPiece - across, up, kTexelsPerPiece - up});  // texels
+  constexpr double kJoint = 1.0, kRounded = 2.5, kDepth = 0.4;
+  return static_cast<float>(shade * (1.0 - kDepth * (1.0 - std::clamp((to_edge - kJoint) / kRounded, 0.0, 1.0))));
+}
+
 struct Kind {
   std::string_view name;
   bool needs_even;  ///< an odd number of pieces would leave a seam
   TexelValue value;
 };
-constexpr std::array<Kind, 4> kKinds = {
-    {{"checker", true, checker}, {"stripes", true, stripes}, {"waves", false, waves}, {"cobbles", false, cobbles}}};
+constexpr std::array<Kind, 5> kKinds = {{{"checker", true, checker},
+                                         {"stripes", true, stripes},
+                                         {"waves", false, waves},
+                                         {"cobbles", false, cobbles},
+                                         {"bricks", true, bricks}}};
 
 const Kind* find_kind(std::string_view name) {
   const std::string_view stem = name.substr(0, name.find(':'));
