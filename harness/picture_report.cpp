@@ -111,7 +111,7 @@ void record_comparison(const PictureComparison& comparison, const std::filesyste
       paint_signed(comparison.z, comparison.width, comparison.height, "standard deviations", 4.0), folder, stem + ".z",
       "Map of z",
       "The difference of the two engines' brightness over its own standard deviation, by Student: orange where the "
-      "tested one is brighter. Shapes of the scene should not be seen."));
+      "tested one is brighter, 0 where rounding may be all. Shapes of the scene should not be seen."));
   if (comparison.p_values.empty()) return;
   record.pictures.push_back(save_plot(histogram_of(comparison.p_values), folder, stem + ".histogram",
                                       "Histogram of p-values",

@@ -38,7 +38,7 @@ function valuesAt(picture, x, y) {
   const output = dialog.querySelector('output'), table = dialog.querySelector('.values'), shown = dialog.querySelector('.shown');
   const button = Object.fromEntries(all('button[data-do]', dialog).map(b => [b.dataset.do, b]));
   let list = [], chosen = { a: 0, b: 0 }, flipped = false, sliding = false, pixel = null;
-  let width = 1, height = 1, zoom = 1, left = 0, top = 0, drag = null;
+  let width = 1, height = 1, zoom = 1, left = 0, top = 0, drag = null, fitted = true;
 
   const front = () => (flipped && !sliding ? 'b' : 'a');
   const source = side => list[chosen[side]];
@@ -65,6 +65,7 @@ function valuesAt(picture, x, y) {
     zoom = exact >= 1 ? Math.floor(exact) : exact;  // whole pixels stay square
     left = Math.round((w - zoom * width) / 2);
     top = Math.round((h - zoom * height) / 2);
+    fitted = true;
     place();
   }
   function tell() {
@@ -118,6 +119,7 @@ function valuesAt(picture, x, y) {
     left = x - (x - left) * next / zoom;
     top = y - (y - top) * next / zoom;
     zoom = next;
+    fitted = false;
     place();
   }
   const under = event => {
@@ -127,7 +129,7 @@ function valuesAt(picture, x, y) {
   };
   const steps = {
     flip: () => { if (list.length < 2) return; sliding = false; flipped = !flipped; place(); tell(); },
-    slide: () => { if (list.length < 2) return; sliding = !sliding; tell(); fit(); },
+    slide: () => { if (list.length < 2) return; sliding = !sliding; tell(); place(); },
     in: () => scale(2), out: () => scale(0.5), fit,
     explain: () => copy(`${source(front()).dataset.explain} ${pixel.join(',')}`, button.explain),
     close: () => dialog.close(),
@@ -161,6 +163,7 @@ function valuesAt(picture, x, y) {
     if (!drag.moved) return;
     left = drag.left + event.clientX - drag.x;
     top = drag.top + event.clientY - drag.y;
+    fitted = false;
     place();
   };
   stage.onpointerup = event => {
@@ -169,7 +172,8 @@ function valuesAt(picture, x, y) {
     if (found) choose(...found);
   };
   stage.onpointercancel = () => { drag = null; };
-  addEventListener('resize', () => { if (dialog.open) fit(); });
+  // The room changes with the window, and with what is told below the picture.
+  new ResizeObserver(() => { if (dialog.open) (fitted ? fit : place)(); }).observe(stage);
 
   function open(pictures, a, b, name) {
     list = pictures;
