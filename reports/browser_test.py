@@ -185,6 +185,8 @@ class Reader:
         self.click(box)
         box.send_keys("hits camera")
         shown = self.visible(".case .name")
+        self.click(self.one(".case:not([hidden]) > summary"))
+        assert self.js("return location.hash") == "#case-" + shown[0], "the address does not lead to the opened case"
         assert len(shown) == 20 and all(name.startswith("hits.camera.") for name in shown), shown[:5]
         box.clear()
         box.send_keys(" ", Keys.BACKSPACE)

@@ -241,6 +241,8 @@ function follow() {
 }
 addEventListener('hashchange', follow);
 document.addEventListener('click', event => {
+  const summary = event.target.closest('.case > summary');
+  if (summary) history.replaceState(null, '', '#' + summary.parentElement.id);  // the address always leads to the case last opened
   const link = event.target.closest('a[href^="#case-"]');
   if (link && link.hash === location.hash) follow();  // a second click changes no address
 });
