@@ -175,7 +175,7 @@ class Reader:
         self.driver.back()
 
     def filter_cases(self):
-        self.open()
+        self.until("the report is there again", lambda: self.all("#case-tools input"))
         self.click(self.one("#matrix td.s-failed a"))
         whole = self.one(".whole")
         assert whole.is_displayed()
