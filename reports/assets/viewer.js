@@ -20,7 +20,7 @@ function loadValues(picture, done) {
 function valuesAt(picture, x, y) {
   const file = valuesOf.get(picture.dataset.path);
   if (file === 'missing') return { why: 'its file of values is not beside this page' };
-  if (!picture.dataset.values) return { why: picture.naturalWidth * picture.naturalHeight > 128 * 128
+  if (!picture.dataset.values) return { why: picture.getAttribute('width') * picture.getAttribute('height') > 128 * 128
     ? 'only its colour is known: values are kept up to 128 × 128 pixels' : 'its colours are no values' };
   if (!file) return { why: 'values are being loaded' };
   const n = file.channels.length, at = n * (y * file.width + x);
