@@ -102,7 +102,7 @@ struct Arguments {
   std::string out = "out", expected = expected_failures_file().string();
   std::uint64_t seed = 1, rays = 0;
   std::uint32_t picture_frames = 0;
-  bool resume = false, quick = false, paper = false, no_pictures = false;
+  bool resume = false, github = false, quick = false, paper = false, no_pictures = false;
   int rounds = 7;
   /// The driver and Embree use all cores while they trace; what lies between is one thread's, hence more at once. Each
   /// takes up to 0.4 GB of memory.
@@ -160,6 +160,7 @@ RunRecord run(const Arguments& a, RunOptions options, const CatalogueOptions& ca
   options.seed = a.seed;
   options.out = a.out;
   options.resume = a.resume;
+  options.github = a.github;
   options.isolate = true;
   options.jobs = a.jobs;
   options.expected = read_expected_failures(a.expected);
@@ -264,6 +265,7 @@ int dispatch(int argc, char** argv) {
         ->check(CLI::Range(1, 256))
         ->capture_default_str();
     sub->add_flag("--resume", a.resume, "Go on with the run in --out: cases that ended there are not run again");
+    sub->add_flag("--github", a.github, kGithubHelp);
     sub->add_option("--shard", a.shard, "I/N: run the I-th of N parts of the catalogue");
     sub->add_option("--history", a.history, "Database of earlier runs, or `none`");
     sub->add_option("--expected", a.expected, "List of expected failures (JSON); that of Plumbline if not given");

@@ -14,6 +14,10 @@
 
 namespace plumbline {
 
+/// Of --github, wherever it is.
+inline constexpr const char* kGithubHelp =
+    "Annotate failing cases for GitHub Actions, and append report.md to the step's summary";
+
 /// A subcommand and what it does, once the arguments are parsed; returns the exit status.
 using Commands = std::vector<std::pair<CLI::App*, std::function<int()>>>;
 

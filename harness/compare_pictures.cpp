@@ -85,8 +85,8 @@ class Comparer {
     result_.frames = first.frames;
     result_.batches = static_cast<std::uint32_t>(tested.size());
     result_.level = options.level;
-    result_.tested = mean_picture(tested);
-    result_.truth = mean_picture(truth);
+    result_.tested = pixel_means(tested);
+    result_.truth = pixel_means(truth);
     result_.mean_tested = mean_of(result_.tested);
     result_.mean_truth = mean_of(result_.truth);
     brightness_ = (result_.mean_truth.x + result_.mean_truth.y + result_.mean_truth.z) / 3.0;
@@ -104,12 +104,6 @@ class Comparer {
   }
 
  private:
-  static std::vector<glm::dvec3> mean_picture(const std::vector<PictureMoments>& batches) {
-    std::vector<glm::dvec3> mean(batches.front().mean.size(), glm::dvec3(0.0));
-    for (const PictureMoments& batch : batches)
-      for (std::size_t i = 0; i < mean.size(); ++i) mean[i] += batch.mean[i] / static_cast<double>(batches.size());
-    return mean;
-  }
   static glm::dvec3 mean_of(const std::vector<glm::dvec3>& picture) {
     glm::dvec3 sum(0.0);
     for (const glm::dvec3& color : picture) sum += color;

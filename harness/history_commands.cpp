@@ -50,14 +50,17 @@ int show_history(const HistoryArguments& a) {
 struct ReportArguments {
   std::string folder;
   std::vector<std::string> diff;
+  bool github = false;
 };
 
 int report(const ReportArguments& a) {
   if (a.diff.empty()) {
     if (a.folder.empty())
       throw InputError("say which run: `plumbline report DIR`, or `plumbline report --diff BEFORE AFTER`");
-    write_report(read_run(a.folder), a.folder);
+    const RunRecord run = read_run(a.folder);
+    write_report(run, a.folder);
     std::printf("Report: %s\n", (fs::path(a.folder) / "index.html").string().c_str());
+    if (a.github) tell_github(run);
     return 0;
   }
   const RunRecord before = read_run(a.diff[0]), after = read_run(a.diff[1]);
@@ -98,6 +101,7 @@ void add_history_commands(CLI::App& app, Commands& commands) {
   const auto r = std::make_shared<ReportArguments>();
   CLI::App* sub = app.add_subcommand("report", "Write the report of a run again from its record, or compare two runs");
   sub->add_option("DIR", r->folder, "The run's folder");
+  sub->add_flag("--github", r->github, kGithubHelp);
   sub->add_option("--diff", r->diff, "BEFORE AFTER: folders of two runs; tells what changed, 1 if a case fails newly")
       ->expected(2);
   commands.emplace_back(sub, [r] { return report(*r); });
@@ -106,6 +110,7 @@ void add_history_commands(CLI::App& app, Commands& commands) {
   CLI::App* merge_sub = app.add_subcommand("merge", "Make one run and one report of the parts that --shard cut");
   merge_sub->add_option("DIR", m->folders, "Folders of all parts")->required();
   merge_sub->add_option("--out", m->options.out, "Folder for the report")->capture_default_str();
+  merge_sub->add_flag("--github", m->options.github, kGithubHelp);
   merge_sub->add_option("--history", m->history, "Database of earlier runs, or `none`")->capture_default_str();
   commands.emplace_back(merge_sub, [m] { return merge(*m); });
 }

@@ -7,8 +7,8 @@
 #include "harness/compare_pictures.h"
 #include "harness/differences.h"
 #include "harness/independent.h"
+#include "harness/picture_report.h"
 #include "reports/format.h"
-#include "reports/picture.h"
 #include "scenes/random.h"
 
 namespace plumbline {
@@ -31,7 +31,9 @@ ModelBias measure_model_bias(const Scene& scene, const std::vector<std::string>&
   };
   const auto paper = batches_of(Effects::Model::paper, "paper", 0.0),
              physical = batches_of(Effects::Model::physical, "physical", 0.5);
-  ModelBias bias{depth.width, depth.height, {}, 0.0, 0.0, 0.0, 0.0, 0, 0};
+  ModelBias bias;
+  bias.width = depth.width, bias.height = depth.height;
+  bias.paper = pixel_means(paper), bias.physical = pixel_means(physical);
   const std::size_t pixels = paper.front().mean.size();
   const auto n = static_cast<double>(depth.batches);
   std::vector<double> whole(depth.batches, 0.0);
@@ -47,7 +49,6 @@ ModelBias measure_model_bias(const Scene& scene, const std::vector<std::string>&
       sum += off;
       sum_squares += off * off;
     }
-    bias.difference.push_back(static_cast<float>(sum / n));
     // (sum^2 - sum of squares) / (n (n - 1)) is the square of the mean without the noise's share.
     squares += (sum * sum - sum_squares) / (n * (n - 1.0)) / static_cast<double>(pixels);
   }
@@ -85,14 +86,9 @@ void record_model_bias(const ModelBias& bias, const std::filesystem::path& folde
                    value_text(100.0 * bias.mean_interval) + " %, and " + grouped(bias.differing_tiles) + " of " +
                    counted(bias.tiles, "tile") + " beyond noise; the greatest by " +
                    value_text(100.0 * bias.greatest_tile) + " % of the mean brightness";
-  std::vector<float> sizes;
-  for (const float d : bias.difference) sizes.push_back(std::fabs(d));
-  std::sort(sizes.begin(), sizes.end());
-  const double limit = std::max(1e-6, static_cast<double>(sizes[sizes.size() * 99 / 100]));
-  record.pictures.push_back(
-      save_picture(paint_signed(bias.difference, bias.width, bias.height, "brightness", limit), folder,
-                   stem + ".difference", "Paper less physical",
-                   "Orange where the paper's cube is brighter than the physical disc or ball, blue where darker."));
+  record_pair({bias.paper, bias.physical, bias.width, bias.height, "Paper", "Physical",
+               "Mean of the reference's samples under this model."},
+              folder, stem, record);
 }
 
 }  // namespace plumbline

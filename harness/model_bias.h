@@ -20,12 +20,12 @@ struct ModelBiasDepth {
 
 struct ModelBias {
   int width = 0, height = 0;
-  std::vector<float> difference;    ///< of brightness, paper - physical
-  double mean = 0.0;                ///< of the whole picture's difference, as a share of its brightness
-  double mean_interval = 0.0;       ///< half the width of its 99 % interval
-  double root_mean_square = 0.0;    ///< over the pixels, as a share of the mean brightness, noise subtracted
-  double greatest_tile = 0.0;       ///< of the means of 8 x 8 pixels, by size, as a share of the same
-  std::size_t differing_tiles = 0;  ///< whose difference is beyond noise, at 1 % over all of them
+  std::vector<glm::dvec3> paper, physical;  ///< mean of each pixel
+  double mean = 0.0;                        ///< of the whole picture's difference, as a share of its brightness
+  double mean_interval = 0.0;               ///< half the width of its 99 % interval
+  double root_mean_square = 0.0;            ///< over the pixels, as a share of the mean brightness, noise subtracted
+  double greatest_tile = 0.0;               ///< of the means of 8 x 8 pixels, by size, as a share of the same
+  std::size_t differing_tiles = 0;          ///< whose difference is beyond noise, at 1 % over all of them
   std::size_t tiles = 0;
 };
 

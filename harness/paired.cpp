@@ -51,6 +51,7 @@ class SampleFollower {
     const SampleNumbers sample{prepared_, numbers_, {result_.x, result_.y, result_.frame, 1, 0}};
     const glm::dvec3 own = sample_color(prepared_, numbers_, result_.x, result_.y, result_.frame);
     const glm::dvec3 told(samples_.colors[item_]);
+    result_.told = told, result_.own = own;
     if (samples_.colors[item_].w != 0.0f) return differ(PairedStep::hit, 0, "a walk found no end");
     result_.end_to_end = greatest(glm::abs(told - own));
     if (!check_ray(PairedStep::primary, primary_ray(sample), primary_bounds(sample))) return;
@@ -323,6 +324,7 @@ void compare_samples(Session& session, const Stage& stage, const PreparedScene& 
   const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   tally.error_in_bounds.resize(pixels, 0.0f);
   tally.verdict.resize(pixels, 0);
+  tally.tracer.resize(pixels, glm::dvec3(0.0)), tally.reference.resize(pixels, glm::dvec3(0.0));
   std::vector<PairedSample> results(samples.colors.size());
   std::vector<std::array<double, kPairedSteps>> largest(results.size());
   tbb::parallel_for(std::size_t{0}, results.size(), [&](std::size_t item) {
@@ -334,6 +336,7 @@ void compare_samples(Session& session, const Stage& stage, const PreparedScene& 
     tally.apart += r.verdict == SampleVerdict::apart ? 1 : 0;
     tally.differ += r.verdict == SampleVerdict::differ ? 1 : 0;
     const std::size_t pixel = static_cast<std::size_t>(r.y) * static_cast<std::size_t>(width) + r.x;
+    tally.tracer[pixel] += r.told, tally.reference[pixel] += r.own;
     tally.error_in_bounds[pixel] = std::max(tally.error_in_bounds[pixel], static_cast<float>(r.error_in_bounds));
     tally.verdict[pixel] = std::max(tally.verdict[pixel], static_cast<std::uint8_t>(r.verdict));
     for (std::size_t step = 0; step < kPairedSteps; ++step)

@@ -30,10 +30,11 @@ enum class SampleVerdict : std::uint8_t {
 struct PairedSample {
   std::uint32_t x = 0, y = 0, frame = 0;
   SampleVerdict verdict = SampleVerdict::agree;
-  double error_in_bounds = 0.0;  ///< of the colour: largest of the channels
-  double largest = 0.0;          ///< error over bound of all its steps
-  double end_to_end = 0.0;       ///< largest difference to the reference's own sample of the same numbers
-  std::uint32_t ray = 0;         ///< where it differs, or why it stands apart: number of the ray
+  double error_in_bounds = 0.0;    ///< of the colour: largest of the channels
+  double largest = 0.0;            ///< error over bound of all its steps
+  glm::dvec3 told{0.0}, own{0.0};  ///< colour of the tracer; of the reference with the same numbers
+  double end_to_end = 0.0;         ///< largest difference to the reference's own sample of the same numbers
+  std::uint32_t ray = 0;           ///< where it differs, or why it stands apart: number of the ray
   PairedStep step = PairedStep::color;
   std::string event{};   ///< one sentence
   std::string replay{};  ///< explains the ray of the event
@@ -47,6 +48,7 @@ struct PairedTally {
   std::array<std::uint64_t, kVerdictCount> verdicts{};  ///< of all rays
   std::vector<double> end_to_end;                       ///< of each sample that agrees
   std::vector<PairedSample> kept;                       ///< the first samples that differ, then some that stand apart
+  std::vector<glm::dvec3> tracer, reference;            ///< by pixel: sums of PairedSample::told and own
   std::vector<float> error_in_bounds;                   ///< by pixel: the largest of its samples; the picture's size
   std::vector<std::uint8_t> verdict;                    ///< by pixel: the gravest SampleVerdict
 };

@@ -6,6 +6,8 @@
 #include "harness/catalogue.h"
 #include "harness/hit_cases.h"
 #include "harness/paired_picture.h"
+#include "harness/picture_report.h"
+#include "reports/format.h"
 #include "reports/picture.h"
 
 namespace plumbline {
@@ -62,6 +64,12 @@ void record_pictures(CaseContext& context, const Case& self, const PairedTally& 
   const auto add = [&](const Picture& picture, const char* stem, const char* title, const char* caption) {
     record.pictures.push_back(save_picture(picture, context.out, self.name + "." + stem, title, caption));
   };
+  PicturePair pair{tally.tracer, tally.reference, kWidth, kHeight, "Tracer", "Reference", ""};
+  const double samples = static_cast<double>(tally.samples) / (kWidth * kHeight);
+  for (auto* sums : {&pair.tested, &pair.truth})
+    for (glm::dvec3& color : *sums) color /= std::max(1.0, samples);
+  pair.caption = "Mean of " + value_text(samples) + " samples a pixel, half of each model, with the tracer's numbers.";
+  record_pair(pair, context.out, self.name, record);
   add(paint_values(tally.error_in_bounds, kWidth, kHeight, "bounds", {0.0, 1.0}), "error", "Error of the colour",
       "Difference between tracer and reference in units of what rounding may do, the largest of the pixel's samples.");
   const std::vector<std::string> names{"agree", "apart", "differ"};

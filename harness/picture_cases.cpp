@@ -15,16 +15,18 @@ namespace {
 constexpr int kWidth = 384;  ///< pixels; the height follows the camera
 
 /// |cosine| between ray and normal, so that the shape is seen.
-std::vector<float> brightness_of(std::span<const Ray> rays, std::span<const Hit> hits) {
+template <class AnyHit>
+std::vector<float> brightness_of(std::span<const Ray> rays, const std::vector<AnyHit>& hits) {
   std::vector<float> brightness(rays.size(), 0.0f);
   for (std::size_t i = 0; i < rays.size(); ++i)
     if (hits[i].kind == HitKind::hit)
-      brightness[i] = std::abs(glm::dot(glm::normalize(rays[i].direction), hits[i].normal));
+      brightness[i] = std::abs(glm::dot(glm::normalize(rays[i].direction), glm::normalize(glm::vec3(hits[i].normal))));
   return brightness;
 }
 
 /// A number that tells what was hit from its neighbours, the same primitive in another instance too; kNone for a miss.
-std::uint32_t number_of(const Hit& hit) {
+template <class AnyHit>
+std::uint32_t number_of(const AnyHit& hit) {
   if (hit.kind != HitKind::hit) return kNone;
   if (hit.instance == kNone) return hit.primitive;
   return static_cast<std::uint32_t>(mix64(std::uint64_t{hit.instance} << 32 | hit.primitive) % kNone);
@@ -83,6 +85,9 @@ Case picture_case(const ListedScene& scene) {
     };
     add(paint_primitives(primitives, brightness, kWidth, height), "hits", "Hit map",
         "A colour for each primitive of each instance hit by the production tracer, darker where the ray grazes it.");
+    for (std::size_t i = 0; i < rays.size(); ++i) primitives[i] = number_of(buffers.reference[i]);
+    add(paint_primitives(primitives, brightness_of(rays, buffers.reference), kWidth, height), "reference",
+        "Hit map of the reference", "The same by Embree: flip between the two.");
     add(paint_values(steps, kWidth, height, "cells"), "steps", "Steps per pixel",
         "Cells of the geometry image that the ray visited.");
     add(paint_values(tests, kWidth, height, "tests"), "tests", "Primitive tests per pixel",

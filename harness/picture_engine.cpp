@@ -43,4 +43,11 @@ std::unique_ptr<PictureEngine> make_reference_engine(const Scene& scene, const P
   return reference_engine(scene, own);
 }
 
+std::vector<glm::dvec3> pixel_means(const std::vector<PictureMoments>& batches) {
+  std::vector<glm::dvec3> means(batches.front().mean.size(), glm::dvec3(0.0));
+  for (const PictureMoments& batch : batches)
+    for (std::size_t i = 0; i < means.size(); ++i) means[i] += batch.mean[i] / static_cast<double>(batches.size());
+  return means;
+}
+
 }  // namespace plumbline

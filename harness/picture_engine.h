@@ -22,6 +22,9 @@ struct PictureMoments {
   std::vector<glm::dvec3> variance;  ///< of one sample, unbiased; empty for one frame
 };
 
+/// Mean of each pixel over batches of the same size and number of frames.
+std::vector<glm::dvec3> pixel_means(const std::vector<PictureMoments>& batches);
+
 /// Scene, size, effects, seed and time are fixed when it is made. Frames are numbered for ever: asking for the same
 /// ones again gives the same moments, disjoint ones have samples independent of each other.
 class PictureEngine {

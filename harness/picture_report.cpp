@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 
 #include "reports/format.h"
 #include "reports/picture.h"
@@ -51,6 +50,32 @@ Plot quantiles_of(std::vector<double> p_values) {
 
 }  // namespace
 
+void record_pair(const PicturePair& pair, const std::filesystem::path& folder, const std::string& stem,
+                 CaseRecord& record) {
+  const auto save = [&](const Picture& picture, const char* what, const std::string& title,
+                        const std::string& caption) {
+    record.pictures.push_back(save_picture(picture, folder, stem + "." + what, title, caption));
+  };
+  save(paint_colors(pair.tested, pair.width, pair.height), "tested", pair.tested_name, pair.caption);
+  save(paint_colors(pair.truth, pair.width, pair.height), "truth", pair.truth_name, pair.caption);
+  std::vector<float> means, sizes, channels;
+  for (std::size_t i = 0; i < pair.tested.size(); ++i) {
+    const glm::dvec3 off = pair.tested[i] - pair.truth[i];
+    means.push_back(static_cast<float>((off.x + off.y + off.z) / 3.0));
+    sizes.push_back(std::fabs(means.back()));
+    for (int c = 0; c < 3; ++c) channels.push_back(static_cast<float>(off[c]));
+    channels.push_back(means.back());
+  }
+  // Full colour at the greatest of 99 % of the pixels: one outlier must not hide the rest.
+  const auto at = sizes.begin() + static_cast<std::ptrdiff_t>((sizes.size() - 1) * 99 / 100);
+  std::nth_element(sizes.begin(), at, sizes.end());
+  const double limit = *at > 0.0f ? static_cast<double>(*at) : 1.0;
+  Picture difference = paint_signed(means, pair.width, pair.height, "linear colour", limit);
+  difference.values = {"linear colour", {"R", "G", "B", "mean"}, {}, std::move(channels)};
+  save(difference, "difference", pair.tested_name + " less " + pair.truth_name,
+       "Mean of the three channels: orange where " + pair.tested_name + " is brighter, blue where it is darker.");
+}
+
 void record_comparison(const PictureComparison& comparison, const std::filesystem::path& folder,
                        const std::string& stem, CaseRecord& record) {
   if (comparison.alarm()) record.status = CaseStatus::failed;
@@ -79,15 +104,14 @@ void record_comparison(const PictureComparison& comparison, const std::filesyste
     record.tables.push_back(std::move(fits));
   }
 
-  for (const auto& [picture, name, title] : {std::tuple{&comparison.tested, ".tested", "The tested engine's picture"},
-                                             std::tuple{&comparison.truth, ".truth", "The reference's picture"}})
-    record.pictures.push_back(save_picture(paint_colors(*picture, comparison.width, comparison.height), folder,
-                                           stem + name, title, "The mean of all its samples."));
+  record_pair({comparison.tested, comparison.truth, comparison.width, comparison.height, "Tracer", "Reference",
+               "Mean of " + counted(std::uint64_t{comparison.batches} * comparison.frames, "sample") + " a pixel."},
+              folder, stem, record);
   record.pictures.push_back(save_picture(
       paint_signed(comparison.z, comparison.width, comparison.height, "standard deviations", 4.0), folder, stem + ".z",
       "Map of z",
       "The difference of the two engines' brightness over its own standard deviation, by Student: orange where the "
-      "tested one is brighter. Shapes of the scene should not be seen."));
+      "tested one is brighter, 0 where rounding may be all. Shapes of the scene should not be seen."));
   if (comparison.p_values.empty()) return;
   record.pictures.push_back(save_plot(histogram_of(comparison.p_values), folder, stem + ".histogram",
                                       "Histogram of p-values",

@@ -41,7 +41,7 @@ TEST_CASE("A comparison is recorded with its tests, their power and its pictures
   REQUIRE(same.tables.size() == 1);
   CHECK(same.tables[0].rows.size() == 6);
   for (const auto& row : same.tables[0].rows) CHECK(row.size() == same.tables[0].columns.size());
-  REQUIRE(same.pictures.size() == 5);
+  REQUIRE(same.pictures.size() == 6);
   for (const PictureRecord& picture : same.pictures)
     CHECK(std::filesystem::file_size(folder.path() / picture.path) > 100);
 

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
 #include <fstream>
 #include <set>
@@ -21,6 +22,7 @@
 #include "harness/version.h"
 #include "reports/changes_text.h"
 #include "reports/format.h"
+#include "reports/github.h"
 #include "reports/history.h"
 #include "reports/html.h"
 #include "reports/journal.h"
@@ -240,6 +242,18 @@ void finish_run(RunRecord& run, const RunOptions& options) {
     std::fputs(text_summary(run, {isatty(STDOUT_FILENO) != 0, 20}).c_str(), stdout);
     std::printf("Report: %s\n", (options.out / "index.html").string().c_str());
   }
+  if (options.github) tell_github(run);
+}
+
+void tell_github(const RunRecord& run) {
+  std::fputs(github_annotations(run).c_str(), stdout);
+  const char* file = std::getenv("GITHUB_STEP_SUMMARY");
+  if (file == nullptr || *file == '\0') return;
+  std::ofstream summary(file, std::ios::app | std::ios::binary);
+  summary << markdown_summary(run) << "\n";
+  summary.close();
+  if (!summary)  // the verdict matters more
+    std::fprintf(stderr, "plumbline: the step summary is left out: %s cannot be written\n", file);
 }
 
 int exit_status(const RunRecord& run) { return summarize(run).ok() ? 0 : 1; }

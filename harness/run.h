@@ -25,10 +25,12 @@ struct RunOptions {
   /// Cases run in a process of their own, so that one that crashes or hangs is an error and the others run on. Not
   /// where this process has threads or a GL context already.
   bool isolate = false;
-  int jobs = 1;                            ///< cases that run at once, where they are isolated
-  double silent_seconds = 600.0;           ///< an isolated case that gives no sign of life for so long hangs
-  std::filesystem::path history;           ///< database of earlier runs; empty: none
-  std::vector<ExpectedFailure> expected;   ///< cases that are known to fail
+  int jobs = 1;                           ///< cases that run at once, where they are isolated
+  double silent_seconds = 600.0;          ///< an isolated case that gives no sign of life for so long hangs
+  std::filesystem::path history;          ///< database of earlier runs; empty: none
+  std::vector<ExpectedFailure> expected;  ///< cases that are known to fail
+  /// GitHub Actions: annotations on standard output, and report.md appended to the file that GITHUB_STEP_SUMMARY names.
+  bool github = false;
   bool quiet = false;                      ///< no progress, no summary
   std::string replay = "./plumbline run";  ///< what a case's name is put behind to repeat it
 };
@@ -41,6 +43,9 @@ RunRecord run_cases(const std::vector<Case>& cases, const RunOptions& options);
 /// The end of a run: its place in the history (options.history), its report in options.out, the summary on the
 /// terminal.
 void finish_run(RunRecord& run, const RunOptions& options);
+
+/// What RunOptions::github asks for, once the report is written.
+void tell_github(const RunRecord& run);
 
 /// 0 where everything passed, 1 where a case failed, ended in an error or was left out.
 int exit_status(const RunRecord& run);

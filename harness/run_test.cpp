@@ -4,9 +4,11 @@
 
 #include <unistd.h>
 #include <catch2/catch.hpp>
+#include <cstdlib>
 #include <filesystem>
 #include <set>
 
+#include "reports/files.h"
 #include "reports/journal.h"
 #include "scenes/error.h"
 
@@ -111,4 +113,21 @@ TEST_CASE("The same seed repeats a case bit for bit, another seed does not") {
   CHECK_FALSE(first.empty());
   CHECK(worst_of(5) == first);
   CHECK(worst_of(6) != first);
+}
+
+TEST_CASE("A run for GitHub appends its summary to the step's, behind what is there") {
+  const Folder folder;
+  std::filesystem::create_directories(folder.path);
+  const std::string file = (folder.path / "summary.md").string();
+  write_text(file, "before\n");
+  const char* earlier = std::getenv("GITHUB_STEP_SUMMARY");
+  const std::string kept = earlier ? earlier : "";
+  ::setenv("GITHUB_STEP_SUMMARY", file.c_str(), 1);
+  int runs = 0;
+  RunOptions options = options_in(folder);
+  options.github = true;
+  const RunRecord run = run_cases({made_up("made_up.bad", runs, CaseStatus::failed)}, options);
+  earlier ? ::setenv("GITHUB_STEP_SUMMARY", kept.c_str(), 1) : ::unsetenv("GITHUB_STEP_SUMMARY");
+  CHECK(read_text(file) == "before\n" + read_text(options.out / "report.md") + "\n");
+  CHECK(read_text(file).find("made\\_up.bad") != std::string::npos);
 }

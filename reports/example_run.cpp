@@ -8,6 +8,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "reports/explanation.h"
+#include "reports/files.h"
 #include "reports/picture.h"
 #include "scenes/random.h"
 #include "scenes/scene.h"
@@ -129,6 +131,36 @@ CaseRecord example_case(const std::string& family, const std::string& scene, std
   return record;
 }
 
+/// What both renderers made of the same discs, and the difference: the second disc is darker in one of them.
+void add_example_pair(CaseRecord& record, const fs::path& folder) {
+  constexpr int kWidth = 64, kHeight = 48;
+  std::vector<glm::dvec3> tracer, reference;
+  std::vector<float> difference;
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      glm::dvec3 color(0.02, 0.05, 0.12);
+      double share = 1.0;
+      for (int i = 0; i < 4; ++i) {
+        const double dx = x - (10.0 + 14.0 * i), dy = y - (12.0 + 7.0 * i), r2 = 90.0, d2 = dx * dx + dy * dy;
+        if (d2 > r2) continue;
+        color = glm::dvec3(i == 0, i == 1 ? 1.2 : 0.4, 0.3 * i) * std::sqrt(1.0 - d2 / r2);
+        share = i == 1 ? 0.98 : 1.0;
+      }
+      reference.push_back(color);
+      tracer.push_back(share * color);
+      const glm::dvec3 off = tracer.back() - color;
+      difference.push_back(static_cast<float>((off.x + off.y + off.z) / 3.0));
+    }
+  }
+  record.pictures.push_back(save_picture(paint_colors(tracer, kWidth, kHeight), folder, record.name + ".tracer",
+                                         "Tracer", "Mean of 64 samples a pixel."));
+  record.pictures.push_back(save_picture(paint_colors(reference, kWidth, kHeight), folder, record.name + ".truth",
+                                         "Reference", "Mean of 64 samples a pixel."));
+  record.pictures.push_back(save_picture(paint_signed(difference, kWidth, kHeight, "linear colour", 0.02), folder,
+                                         record.name + ".difference", "Tracer less reference",
+                                         "Orange where the tracer is brighter, blue where it is darker."));
+}
+
 std::string named(const auto& names, std::size_t i, const char* rest) {
   return i < names.size() ? names[i] : rest + std::to_string(i);
 }
@@ -220,7 +252,51 @@ void add_example_pictures(RunRecord& run, const fs::path& folder) {
                      "Cells visited by each pixel's ray."),
         save_picture(paint_verdicts(verdicts, names, brightness, kSize, kSize), folder, record.name + ".verdicts",
                      "Disagreements", "What does not agree is drawn as a dot of 5 pixels.")};
+    add_example_pair(record, folder);
     for (PictureRecord& picture : record.pictures) picture.explain = "plumbline explain " + record.scene + " --pixel";
+  }
+}
+
+void add_example_explanations(const RunRecord& run, const fs::path& folder) {
+  for (const CaseRecord& record : run.cases) {
+    for (const RayRecord& ray : record.worst) {
+      if (ray.explanation.empty()) continue;
+      ExplanationRecord page;
+      page.scene = record.scene, page.command = ray.replay, page.version = run.version;
+      page.driver = run.driver_renderer, page.image = "baked now, compact, 512 x 512";
+      page.ray = {ray.origin, ray.direction, ray.t_max};
+      page.verdict = ray.verdict, page.reason = ray.reason, page.layer = ray.layer;
+      page.sentence =
+          "The sphere of node 57 at cell (114, 12) rejected the ray; primitive 3 below it is hit at t = 2.5.";
+      page.answers = {{"tracer", ray.tracer}, {"reference", ray.reference}, {"exact", ray.exact}};
+      page.crossings = {"triangle 3 at t = 2.5"};
+      page.truth_primitive = 3, page.truth_t = 2.5;
+      for (std::uint32_t i = 0; i < 3; ++i) {
+        StepRecord step;
+        step.number = i + 1, step.cell = 100 + i, step.x = 100 + static_cast<int>(i), step.node = 55 + i;
+        step.test = i == 2 ? "missed" : "hit", step.reason = i == 2 ? "miss" : "entered";
+        step.distance2 = 0.25f, step.radius2 = i == 2 ? 0.2499f : 4.0f, step.foot = 2.5f;
+        step.on_chain = step.notable = true, step.ended = i == 2, step.next = i == 2 ? kNoNumber : 101 + i;
+        page.steps.push_back(step);
+        page.chain.push_back({kNoNumber, step.cell, step.node, step.x, 0, kNoNumber, i});
+        page.slice.shapes.push_back({i == 2 ? "fault" : "entered",
+                                     "node " + std::to_string(55 + i),
+                                     i,
+                                     true,
+                                     2.5,
+                                     0.4 - 0.1 * i,
+                                     2.0 - 0.7 * i,
+                                     2.0 - 0.7 * i,
+                                     0.0,
+                                     {}});
+      }
+      page.slice.shapes.push_back({"truth", "primitive 3", kNoNumber, false, 0, 0, 0, 0, 0, {{2.4, -0.3}, {2.6, 0.3}}});
+      page.slice.length = 1.0;
+      page.slice.marks = {{"origin", "origin", 0.0}, {"truth", "primitive 3 at t = 2.5", 2.5}};
+      page.total_steps = 3;
+      page.fault = {"bounds", 2, kNoNumber, 102, 57, kNoNumber, 102, 0, 3.1e-4, "no"};
+      write_text(folder / ray.explanation, explanation_html(page));
+    }
   }
 }
 

@@ -16,7 +16,10 @@ struct ExampleOptions {
 };
 RunRecord example_run(const ExampleOptions& options = {});
 
-/// Paints three pictures for each case of the family "camera" and writes them into folder/pictures.
+/// Writes the pages that the run's failing rays name, all with the same made-up walk.
+void add_example_explanations(const RunRecord& run, const std::filesystem::path& folder);
+
+/// Paints six pictures for each case of the family "camera" and writes them into folder/pictures.
 void add_example_pictures(RunRecord& run, const std::filesystem::path& folder);
 
 /// Strings that break careless writers: quotes, tags, control characters, bad UTF-8.

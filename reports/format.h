@@ -24,4 +24,6 @@ std::string html_escape(std::string_view text);
 /// For text and double-quoted attributes of XML 1.0; characters that XML forbids become U+FFFD, line breaks are kept.
 std::string xml_escape(std::string_view text);
 
+std::string base64(std::string_view bytes);  ///< RFC 4648, padded
+
 }  // namespace plumbline

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// See html.h. This file puts the page together and writes its first screen: the verdict, what failed, what changed, the
-// driver.
+// See html.h. This file puts the page together and writes its first screen: the verdict, what failed, what changed.
 #include "reports/html.h"
 
 #include <algorithm>
@@ -59,7 +58,8 @@ std::string tiles(const RunRecord& run, const RunSummary& total) {
   const auto faults =
       std::count_if(run.findings.begin(), run.findings.end(), [](const DriverFinding& f) { return f.found; });
   if (!run.findings.empty())
-    html += tile("driver faults", std::to_string(faults), "of " + std::to_string(run.findings.size()) + " asked about");
+    html += tile("driver faults", std::to_string(faults),
+                 "<a href=\"#driver\">of " + std::to_string(run.findings.size()) + " asked about</a>");
   html += tile(
       "time", duration(run.seconds),
       total.rays && run.seconds > 0.0
@@ -269,11 +269,11 @@ std::string overview(const RunRecord& run, const std::vector<std::string>& ids, 
                      ", " + readable_time(run.started) + ", seed " + std::to_string(run.seed) +
                      (run.command.empty() ? "" : ", <code>" + html_escape(run.command) + "</code>") +
                      "</p></div></section>";
-  html += tiles(run, total) + failures(run, ids);
   const std::string since = changes_html(run, ids, options) + past_runs(options);
-  if (!since.empty())
-    html += "<section id=\"changes\" class=\"card\"><h2>Since the last run</h2>" + since + "</section>";
-  return html + driver_html(run);
+  return html + tiles(run, total) + "<div class=\"news\">" + failures(run, ids) +
+         (since.empty() ? ""
+                        : "<section id=\"changes\" class=\"card\"><h2>Since the last run</h2>" + since + "</section>") +
+         "</div>";
 }
 
 }  // namespace page
@@ -282,9 +282,14 @@ std::string report_html(const RunRecord& run, const std::filesystem::path& folde
   const std::vector<std::string> ids = page::case_ids(run);
   const RunSummary total = summarize(run);
   const std::vector<std::pair<const char*, std::string>> sections = {
-      {"", page::overview(run, ids, options)}, {"Matrix", page::matrix(run, ids)},
-      {"Verdicts", page::verdict_tables(run)}, {"Measurements", page::figures(run, ids)},
-      {"Rays", ray_sections(run, total)},      {"Cases", page::cases(run, ids, folder, options.embed_pictures)}};
+      {"", page::overview(run, ids, options)},
+      {"Matrix", page::matrix(run, ids)},
+      {"Driver", driver_html(run)},
+      {"Families", page::families(run, ids)},
+      {"Verdicts", page::verdict_tables(run)},
+      {"Measurements", page::figures(run, ids)},
+      {"Rays", ray_sections(run, total)},
+      {"Cases", page::cases(run, ids, folder, options.embed_pictures)}};
   std::string nav, main;
   for (const auto& [name, html] : sections) {
     main += html + "\n";
@@ -299,7 +304,8 @@ std::string report_html(const RunRecord& run, const std::filesystem::path& folde
                                              {"main", main},
                                              {"footer", libraries_html(run)},
                                              {"rays", page::packed_rays(run, ids)},
-                                             {"js", std::string(asset("page.js")) + std::string(asset("report.js"))}});
+                                             {"js", std::string(asset("page.js")) + std::string(asset("report.js")) +
+                                                        std::string(asset("viewer.js"))}});
 }
 
 void write_report(const RunRecord& run, const std::filesystem::path& folder, const ReportOptions& options) {

@@ -14,29 +14,16 @@
 namespace plumbline::page {
 namespace {
 
-std::string base64(std::string_view bytes) {
-  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  out.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t group = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      group = group << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
-    for (std::size_t k = 0; k < 4; ++k) out += i + k <= bytes.size() ? kDigits[group >> (18 - 6 * k) & 63u] : '=';
-  }
-  return out;
-}
-
-std::string source_of(const PictureRecord& picture, const std::filesystem::path& folder, bool embed) {
+/// Where the page finds a file of the run: its relative address, or all of it.
+std::string source_of(const std::string& path, const char* type, const std::filesystem::path& folder, bool embed) {
   if (embed) {
     try {
-      const std::string type = picture.path.ends_with(".svg") ? "svg+xml" : "png";
-      return "data:image/" + type + ";base64," + base64(read_text(folder / picture.path));
+      return "data:" + std::string(type) + ";base64," + base64(read_text(folder / path));
     } catch (const InputError&) {
-      // The picture was not kept with the results: the page then says so where it would stand.
+      // The file was not kept with the results: the page then says so where it would stand.
     }
   }
-  return address_of(picture.path);
+  return address_of(path);
 }
 
 std::string scale_key(const ColorScale& scale) {
@@ -60,10 +47,15 @@ std::map<std::string, std::size_t> scales_of(const RunRecord& run) {
 
 std::string picture_html(const PictureRecord& picture, const std::map<std::string, std::size_t>& scales,
                          const std::filesystem::path& folder, bool embed) {
-  std::string html = "<figure><img loading=\"lazy\" src=\"" + source_of(picture, folder, embed) + "\" alt=\"" +
-                     html_escape(picture.title) + "\"";
+  std::string html =
+      "<figure><img loading=\"lazy\" src=\"" +
+      source_of(picture.path, picture.path.ends_with(".svg") ? "image/svg+xml" : "image/png", folder, embed) +
+      "\" alt=\"" + html_escape(picture.title) + "\"";
   if (picture.width > 0 && picture.height > 0)
     html += " width=\"" + std::to_string(picture.width) + "\" height=\"" + std::to_string(picture.height) + "\"";
+  if (!picture.values.empty())
+    html += " data-values=\"" + source_of(picture.values, "text/javascript", folder, embed) + "\" data-path=\"" +
+            html_escape(picture.path) + "\"";
   if (!picture.explain.empty()) html += " data-explain=\"" + html_escape(picture.explain) + "\"";
   html += "><figcaption><b>" + html_escape(picture.title) + "</b> " + html_escape(picture.caption);
   const ColorScale& scale = picture.scale;
@@ -105,7 +97,8 @@ std::string case_html(const CaseRecord& record, const std::string& id, const std
                       const std::filesystem::path& folder, bool embed) {
   const CaseStatus status = outcome(record);
   const std::string status_text(status_name(status));
-  std::string html = "<details id=\"" + id + "\" class=\"case s-" + status_text +
+  std::string html = "<details id=\"" + id + "\" class=\"case s-" + status_text + "\" data-family=\"" +
+                     html_escape(record.family) + "\" data-scene=\"" + html_escape(record.scene) +
                      "\"><summary><span class=\"st\" role=\"img\" aria-label=\"" + status_text + "\">" +
                      std::string(glyph(status)) + "</span><span class=\"name\">" + html_escape(record.name) + "</span>";
   if (record.rays)
@@ -138,7 +131,7 @@ std::string case_html(const CaseRecord& record, const std::string& id, const std
     html += "</div>";
   }
   for (const TableRecord& table : record.tables) html += table_html(table);
-  if (!record.worst.empty()) html += "<div class=\"rays\" data-case=\"" + id + "\"></div>";
+  if (!record.worst.empty()) html += "<div class=\"rays\"></div>";
   return html + "</div></details>";
 }
 
@@ -219,9 +212,9 @@ std::string cases(const RunRecord& run, const std::vector<std::string>& ids, con
       failed += is_failure(outcome(record));
       list += case_html(record, ids[i], scales, folder, embed_pictures) + "\n";
     }
-    html += "<section class=\"group\"><h3>" + html_escape(feature.empty() ? "other" : feature) + " <small>" +
-            counted(count, "case") + (failed ? ", " + grouped(failed) + " failed" : "") + "</small></h3>\n" + list +
-            "</section>";
+    html += "<section class=\"group\" data-feature=\"" + html_escape(feature) + "\"><h3>" +
+            html_escape(feature.empty() ? "other" : feature) + " <small>" + counted(count, "case") +
+            (failed ? ", " + grouped(failed) + " failed" : "") + "</small></h3>\n" + list + "</section>";
   }
   return html + "</section>";
 }

@@ -41,6 +41,7 @@ std::string inside_script(std::string_view json);
 
 std::string overview(const RunRecord& run, const std::vector<std::string>& ids, const ReportOptions& options);
 std::string matrix(const RunRecord& run, const std::vector<std::string>& ids);
+std::string families(const RunRecord& run, const std::vector<std::string>& ids);
 std::string verdict_tables(const RunRecord& run);
 std::string figures(const RunRecord& run, const std::vector<std::string>& ids);
 std::string cases(const RunRecord& run, const std::vector<std::string>& ids, const std::filesystem::path& folder,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The page's matrix of families and scenes, its tables of verdicts and its table of measured figures.
+// The page's tables of verdicts and its table of measured figures.
 #include <algorithm>
 #include <unordered_map>
 
@@ -9,40 +9,6 @@
 
 namespace plumbline::page {
 namespace {
-
-/// All cases of one family on one scene.
-struct Cell {
-  CaseStatus status = CaseStatus::skipped;
-  std::uint64_t cases = 0, rays = 0, failing = 0;
-  std::size_t worst = 0;  ///< index of the case that the cell leads to
-};
-
-int severity(CaseStatus status) {
-  switch (status) {
-    case CaseStatus::skipped:
-      return 0;
-    case CaseStatus::passed:
-      return 1;
-    case CaseStatus::failed:
-      return 2;
-    case CaseStatus::error:
-      return 3;
-  }
-  return 3;
-}
-
-std::string link_class(CaseStatus status) { return "s-" + std::string(status_name(status)); }
-
-std::string cell_html(const Cell& cell, const std::vector<std::string>& ids, const std::string& family,
-                      const std::string& scene) {
-  std::string title =
-      family + " on " + scene + ": " + std::string(status_name(cell.status)) + ", " + counted(cell.rays, "ray");
-  if (cell.failing) title += ", " + grouped(cell.failing) + " of them failing";
-  if (cell.cases > 1) title += ", " + counted(cell.cases, "case");
-  return "<td class=\"" + link_class(cell.status) + "\"><a href=\"#" + ids[cell.worst] + "\" title=\"" +
-         html_escape(title) + "\">" + std::string(glyph(cell.status)) +
-         (cell.rays ? "<small>" + short_count(cell.failing ? cell.failing : cell.rays) + "</small>" : "") + "</a></td>";
-}
 
 std::string legend_of(const std::vector<std::string>& verdicts) {
   std::string html = "<ul class=\"legend\">";
@@ -147,64 +113,6 @@ std::string framed_table(const std::string& label, const std::string& caption, c
     html += column.heading.empty() ? "<td></td>" : "<th scope=\"col\"" + css + ">" + column.heading + "</th>";
   }
   return html + "</tr></thead><tbody>" + rows + "</tbody></table></div>";
-}
-
-std::string matrix(const RunRecord& run, const std::vector<std::string>& ids) {
-  const std::vector<std::string> families = families_of(run), scenes = scenes_of(run);
-  std::unordered_map<std::string, std::size_t> row_of, column_of;
-  for (std::size_t i = 0; i < families.size(); ++i) row_of[families[i]] = i;
-  for (std::size_t i = 0; i < scenes.size(); ++i) column_of[scenes[i]] = i;
-  std::vector<Cell> cells(families.size() * scenes.size());
-  std::vector<bool> row_used(families.size()), column_used(scenes.size());
-  std::string others;
-  for (std::size_t i = 0; i < run.cases.size(); ++i) {
-    const CaseRecord& record = run.cases[i];
-    const CaseStatus status = outcome(record);
-    if (record.family.empty() || record.scene.empty()) {
-      others += "<li><a class=\"" + link_class(status) + "\" href=\"#" + ids[i] + "\"><span>" +
-                std::string(glyph(status)) + "</span> " + html_escape(record.name) + "</a></li>";
-      continue;
-    }
-    const std::size_t row = row_of.at(record.family), column = column_of.at(record.scene);
-    row_used[row] = column_used[column] = true;
-    Cell& cell = cells[row * scenes.size() + column];
-    if (cell.cases == 0 || severity(status) > severity(cell.status)) {
-      cell.status = status;
-      cell.worst = i;
-    }
-    ++cell.cases;
-    cell.rays += record.rays;
-    cell.failing += failing_rays(record) + rays_without_verdict(record);
-  }
-
-  std::string html;
-  if (std::find(row_used.begin(), row_used.end(), true) != row_used.end()) {
-    std::vector<Column> columns = {{""}};
-    for (std::size_t c = 0; c < scenes.size(); ++c)
-      if (column_used[c]) columns.push_back({"<span>" + html_escape(scenes[c]) + "</span>"});
-    std::string rows;
-    for (std::size_t r = 0; r < families.size(); ++r) {
-      if (!row_used[r]) continue;
-      rows += "<tr><th scope=\"row\">" + html_escape(families[r]) + "</th>";
-      for (std::size_t c = 0; c < scenes.size(); ++c) {
-        if (!column_used[c]) continue;
-        const Cell& cell = cells[r * scenes.size() + c];
-        rows += cell.cases ? cell_html(cell, ids, families[r], scenes[c]) : "<td class=\"none\"></td>";
-      }
-      rows += "</tr>";
-    }
-    html += framed_table(
-                "Families and scenes",
-                "Each cell is a family of rays on a scene: its status and its rays (k thousand, M million); where it "
-                "failed, the rays that failed it. It leads to the case.",
-                "matrix", columns, rows) +
-            "<p class=\"key\"><span class=\"s-passed\">✓</span> passed <span "
-            "class=\"s-failed\">✗</span> failed "
-            "<span class=\"s-error\">!</span> error <span class=\"s-skipped\">–</span> skipped</p>";
-  }
-  if (!others.empty())
-    html += (html.empty() ? "" : "<h3>Cases outside the matrix</h3>") + ("<ul class=\"chips\">" + others + "</ul>");
-  return html.empty() ? "" : "<section id=\"matrix\" class=\"card\"><h2>Families and scenes</h2>" + html + "</section>";
 }
 
 std::string verdict_tables(const RunRecord& run) {

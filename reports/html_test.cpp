@@ -90,8 +90,11 @@ TEST_CASE("html: every case has its section and every link its target") {
   }
   CHECK(links.size() > run.cases.size());
   CHECK(occurrences(markup, "<details id=\"case-") == run.cases.size());
-  CHECK(occurrences(markup, "<td class=\"s-failed\">") == 2);
-  CHECK(occurrences(markup, "<td class=\"s-error\">") == 1);
+  // In both matrices.
+  CHECK(occurrences(markup, "<td class=\"s-failed\">") == 2 * 2);
+  CHECK(occurrences(markup, "<td class=\"s-error\">") == 2 * 1);
+  CHECK_THAT(markup, Catch::Contains("aria-label=\"hits on balls_4: 5 cases, 1 of them failed, "));
+  CHECK_THAT(markup, Catch::Contains("aria-label=\"driver: 4 cases, passed\""));
   for (const char* element :
        {"section", "table", "details", "ul", "ol", "dl", "figure", "div", "span", "p", "svg", "td", "th", "tr"}) {
     INFO(element);
@@ -210,8 +213,11 @@ TEST_CASE("html: the report is written whole, pictures inside or beside") {
   const std::string beside = read_text(folder.path / "index.html");
   CHECK_THAT(beside, Catch::Contains("src=\"pictures/hits.camera.balls_3.steps.png\""));
   const std::string inside = report_html(run, folder.path, {.embed_pictures = true, .changes = {}, .past = {}});
-  CHECK(occurrences(inside, "src=\"data:image/png;base64,iVBORw0KGgo") == 3);
-  CHECK(inside.find("src=\"pictures/") == std::string::npos);
+  CHECK(occurrences(inside, "src=\"data:image/png;base64,iVBORw0KGgo") == 6);
+  CHECK(occurrences(inside, "data-values=\"data:text/javascript;base64,") == 3);
+  for (const char* beside_it : {" src=\"pictures/", "data-values=\"pictures/"})
+    CHECK(inside.find(beside_it) == std::string::npos);
+  CHECK_THAT(beside, Catch::Contains("data-values=\"pictures/hits.camera.balls_3.tracer.values.js\""));
   for (const auto& entry : std::filesystem::directory_iterator(folder.path))
     CHECK(entry.path().string().find(".part") == std::string::npos);
 }
@@ -222,6 +228,7 @@ TEST_CASE("html: the example report", "[.example]") {
   REQUIRE(target != nullptr);
   RunRecord run = example_run({.families = 15, .scenes = 20, .rays_per_case = 16});
   add_example_pictures(run, target);
+  add_example_explanations(run, target);
   ReportOptions options;
   RunChanges& changes = options.changes.emplace();
   changes.since = changes.last_pass = "2026-11-21T03:00:00Z";

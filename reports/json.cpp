@@ -47,6 +47,7 @@ Json to_json(const RayRecord& ray) {
 Json to_json(const PictureRecord& picture) {
   Json out = {{"path", picture.path},   {"title", picture.title},   {"caption", picture.caption},
               {"width", picture.width}, {"height", picture.height}, {"explain", picture.explain}};
+  if (!picture.values.empty()) out["values"] = picture.values;
   if (!picture.scale.colors.empty())
     out["scale"] = {{"low", number(picture.scale.low)},
                     {"high", number(picture.scale.high)},
@@ -255,6 +256,7 @@ PictureRecord picture_of(const Node& node) {
   picture.width = node["width"].small_count();
   picture.height = node["height"].small_count();
   picture.explain = node["explain"].text();
+  if (node.has("values")) picture.values = node["values"].text();
   if (node.has("scale")) {
     const Node scale = node["scale"];
     picture.scale.low = scale["low"].real();

@@ -46,7 +46,8 @@ RunRecord full_run() {
                       9,
                       {0.0, std::numeric_limits<double>::infinity(), "steps", {"#000000", "#ffffff"}},
                       {{"tie", "#56b4e9", 12}},
-                      "plumbline explain a --pixel"}};
+                      "plumbline explain a --pixel",
+                      "pictures/a.values.js"}};
   record.worst[0].margin = 0x1.23456789abcdep-30;
   record.worst[0].bound = -std::numeric_limits<double>::infinity();
   return run;
@@ -91,6 +92,7 @@ TEST_CASE("json: everything comes back") {
   CHECK(std::isinf(b.pictures[0].scale.high));
   CHECK(b.pictures[0].scale.colors.size() == 2);
   CHECK(b.pictures[0].legend[0].pixels == 12);
+  CHECK(b.pictures[0].values == "pictures/a.values.js");
   CHECK(back.findings[0].found);
   CHECK(back.libraries == run.libraries);
 }

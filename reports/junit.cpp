@@ -40,7 +40,7 @@ std::string details(const CaseRecord& record) {
   return text;
 }
 
-std::string test_case(const CaseRecord& record) {
+std::string test_case(const CaseRecord& record, const std::filesystem::path& folder) {
   std::string xml = "    <testcase" + attribute("name", record.name) +
                     attribute("classname", "plumbline." + record.feature) +
                     attribute("time", seconds_text(record.seconds)) + ">\n";
@@ -60,7 +60,7 @@ std::string test_case(const CaseRecord& record) {
   }
   std::string out = details(record);
   for (const PictureRecord& picture : record.pictures)
-    out += "[[ATTACHMENT|" + picture.path + "]]\n";  // GitLab and Jenkins
+    out += "[[ATTACHMENT|" + (folder / picture.path).string() + "]]\n";
   xml += "      <system-out>" + xml_escape(out) + "</system-out>\n    </testcase>\n";
   return xml;
 }
@@ -78,7 +78,7 @@ std::string attributes_of(const Totals& total) {
 
 }  // namespace
 
-std::string junit_xml(const RunRecord& run) {
+std::string junit_xml(const RunRecord& run, const std::filesystem::path& folder) {
   std::vector<std::string> features = features_of(run);
   for (const CaseRecord& record : run.cases)
     if (record.feature.empty()) {
@@ -101,7 +101,7 @@ std::string junit_xml(const RunRecord& run) {
       total.skipped += record.status == CaseStatus::skipped;
       total.failures += outcome(record) == CaseStatus::failed;
       if (std::isfinite(record.seconds)) total.seconds += record.seconds;
-      cases += test_case(record);
+      cases += test_case(record, folder);
     }
     suites += "  <testsuite" + attribute("name", feature.empty() ? "other" : feature) + attributes_of(total);
     if (!timestamp.empty()) suites += attribute("timestamp", timestamp);
@@ -118,6 +118,11 @@ std::string junit_xml(const RunRecord& run) {
          suites + "</testsuites>\n";
 }
 
-void write_junit(const RunRecord& run, const std::filesystem::path& file) { write_text(file, junit_xml(run)); }
+void write_junit(const RunRecord& run, const std::filesystem::path& file) {
+  const std::filesystem::path whole = std::filesystem::absolute(file).lexically_normal().parent_path();
+  const std::filesystem::path below = whole.lexically_relative(std::filesystem::current_path());
+  const bool is_below = !below.empty() && *below.begin() != "..";
+  write_text(file, junit_xml(run, is_below ? (below == "." ? std::filesystem::path() : below) : whole));
+}
 
 }  // namespace plumbline

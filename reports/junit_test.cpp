@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "reports/example_run.h"
+#include "reports/files.h"
 #include "reports/format.h"
 #include "reports/summary.h"
 
@@ -92,6 +93,22 @@ TEST_CASE("junit: what XML forbids does not get out") {
     if (tag == "testsuite" && suite.get<std::string>("<xmlattr>.name").find("</script><b a=\"1\" c='2'>&amp;") == 0)
       found = true;
   CHECK(found);
+}
+
+TEST_CASE("junit: pictures are named from the working directory, or from the root") {
+  TemporaryFolder folder;
+  RunRecord run = example_run({.families = 1, .scenes = 1});
+  run.cases.back().pictures = {{"pictures/a.png", "A", "", 1, 1, {}, {}, "", ""}};
+  write_junit(run, folder.path / "junit.xml");
+  CHECK_THAT(read_text(folder.path / "junit.xml"),
+             Catch::Contains("[[ATTACHMENT|" + (folder.path / "pictures/a.png").string() + "]]"));
+  const auto before = std::filesystem::current_path();
+  std::filesystem::current_path(folder.path);
+  write_junit(run, "out/./junit.xml");
+  write_junit(run, folder.path / "junit.xml");
+  std::filesystem::current_path(before);
+  CHECK_THAT(read_text(folder.path / "out" / "junit.xml"), Catch::Contains("[[ATTACHMENT|out/pictures/a.png]]"));
+  CHECK_THAT(read_text(folder.path / "junit.xml"), Catch::Contains("[[ATTACHMENT|pictures/a.png]]"));
 }
 
 }  // namespace plumbline

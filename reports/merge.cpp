@@ -108,7 +108,10 @@ RunRecord merge_reports(const std::vector<fs::path>& folders, const fs::path& ou
   for (std::size_t i = 0; i < parts.size(); ++i) {
     for (const CaseRecord& record : parts[i].cases) {
       std::vector<std::string> files;
-      for (const PictureRecord& picture : record.pictures) files.push_back(picture.path);
+      for (const PictureRecord& picture : record.pictures) {
+        files.push_back(picture.path);
+        if (!picture.values.empty()) files.push_back(picture.values);
+      }
       for (const RayRecord& ray : record.worst)
         if (!ray.explanation.empty()) files.push_back(ray.explanation);
       for (const std::string& file : files) {

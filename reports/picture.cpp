@@ -36,6 +36,27 @@ std::size_t gravity(std::string_view verdict) {
 
 }  // namespace
 
+Picture paint_colors(std::span<const glm::dvec3> colors, int width, int height) {
+  Picture picture = blank(colors.size(), width, height);
+  picture.values = {"linear colour", {"R", "G", "B"}, {}, {}};
+  std::uint64_t without = 0, brighter = 0;
+  for (std::size_t i = 0; i < colors.size(); ++i) {
+    const glm::dvec3& color = colors[i];
+    for (int c = 0; c < 3; ++c) picture.values.values.push_back(static_cast<float>(color[c]));
+    if (std::isnan(color.x + color.y + color.z)) {
+      ++without;
+      continue;
+    }
+    brighter += color.x > 1.0 || color.y > 1.0 || color.z > 1.0;
+    for (int c = 0; c < 3; ++c)
+      picture.pixels[i][static_cast<std::size_t>(c)] =
+          static_cast<std::uint8_t>(std::lround(255.0f * to_srgb(static_cast<float>(std::clamp(color[c], 0.0, 1.0)))));
+  }
+  if (brighter) picture.legend.push_back({"brighter than shown", "#ffffff", brighter});
+  if (without) picture.legend.push_back({"no value", hex_color(kNoValue), without});
+  return picture;
+}
+
 Picture paint_values(std::span<const float> values, int width, int height, const std::string& unit, ValueRange range) {
   Picture picture = blank(values.size(), width, height);
   double least = std::numeric_limits<double>::infinity(), greatest = -least;
@@ -54,6 +75,7 @@ Picture paint_values(std::span<const float> values, int width, int height, const
     if (std::isfinite(values[i]))
       picture.pixels[i] = value_color(high > low ? (static_cast<double>(values[i]) - low) / (high - low) : 0.0);
   picture.scale = {low, high, unit, {}};
+  picture.values = {unit, {""}, {}, {values.begin(), values.end()}};
   for (int i = 0; i < kScaleColors; ++i)
     picture.scale.colors.push_back(hex_color(value_color(i / (kScaleColors - 1.0))));
   if (without) picture.legend.push_back({"no value", hex_color(kNoValue), without});
@@ -69,20 +91,10 @@ Picture paint_signed(std::span<const float> values, int width, int height, const
     picture.pixels[i] = signed_color(static_cast<double>(values[i]) / limit);
   }
   picture.scale = {-limit, limit, unit, {}};
+  picture.values = {unit, {""}, {}, {values.begin(), values.end()}};
   for (int i = 0; i < kScaleColors; ++i)
     picture.scale.colors.push_back(hex_color(signed_color(2.0 * i / (kScaleColors - 1.0) - 1.0)));
   if (without) picture.legend.push_back({"no value", hex_color(kNoValue), without});
-  return picture;
-}
-
-Picture paint_colors(std::span<const glm::dvec3> colors, int width, int height) {
-  Picture picture = blank(colors.size(), width, height);
-  const auto byte = [](double linear) {
-    const float clamped = linear > 0.0 ? static_cast<float>(std::min(linear, 1.0)) : 0.0f;
-    return static_cast<std::uint8_t>(std::lround(255.0f * to_srgb(clamped)));
-  };
-  for (std::size_t i = 0; i < colors.size(); ++i)
-    picture.pixels[i] = {byte(colors[i].x), byte(colors[i].y), byte(colors[i].z)};
   return picture;
 }
 
@@ -143,6 +155,7 @@ Picture paint_verdicts(std::span<const std::uint8_t> verdicts, std::span<const s
     if (counts[i]) order.push_back(i);
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return gravities[a] < gravities[b]; });
+  picture.values = {"", {""}, {names.begin(), names.end()}, {verdicts.begin(), verdicts.end()}};
   for (const std::size_t i : order) picture.legend.push_back({names[i], hex_color(colors[i]), counts[i]});
   return picture;
 }
@@ -173,6 +186,10 @@ PictureRecord save_picture(const Picture& picture, const std::filesystem::path& 
   const std::span<const std::uint8_t> bytes{picture.pixels.front().data(), picture.pixels.size() * 3};
   static_assert(sizeof(Rgb) == 3);
   write_png(folder / record.path, picture.width, picture.height, bytes);
+  if (!picture.values.values.empty() && picture.pixels.size() <= kMostValuePixels) {
+    record.values = "pictures/" + picture_file_name(stem) + ".values.js";
+    write_text(folder / record.values, values_script(picture.values, record.path, picture.width, picture.height));
+  }
   return record;
 }
 

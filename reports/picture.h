@@ -5,13 +5,14 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <glm/glm.hpp>
+#include <glm/vec3.hpp>
 #include <limits>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "reports/color.h"
+#include "reports/pixel_values.h"
 #include "reports/record.h"
 
 namespace plumbline {
@@ -22,6 +23,7 @@ struct Picture {
   std::vector<Rgb> pixels;  ///< width * height, row by row
   ColorScale scale;
   std::vector<LegendEntry> legend;
+  PixelValues values;  ///< those that the colours stand for; empty where they are not kept
 };
 
 struct ValueRange {
@@ -31,15 +33,16 @@ struct ValueRange {
 
 /// Each of these takes width * height items, row by row.
 
+/// Linear colour as it is seen: sRGB of [0, 1]. What is brighter than 1 in a channel is shown as 1, which the legend
+/// counts; what is no number in one is kNoValue.
+Picture paint_colors(std::span<const glm::dvec3> colors, int width, int height);
+
 /// Values by colour; a pixel that is not finite has none and is shown in kNoValue.
 Picture paint_values(std::span<const float> values, int width, int height, const std::string& unit,
                      ValueRange range = {});
 
 /// Values of either sign by colour, from -limit to limit > 0: blue below zero, orange above.
 Picture paint_signed(std::span<const float> values, int width, int height, const std::string& unit, double limit);
-
-/// Linear colours as a screen shows them: clamped to [0, 1], sRGB; a NaN is black.
-Picture paint_colors(std::span<const glm::dvec3> colors, int width, int height);
 
 /// Primitive numbers (kNone: a miss) by colour. `brightness` in [0, 1] (|cosine| between ray and normal, say) makes the
 /// shape seen; empty: flat.
@@ -57,7 +60,8 @@ Picture paint_verdicts(std::span<const std::uint8_t> verdicts, std::span<const s
 std::string picture_file_name(std::string stem);
 
 /// Writes folder/pictures/STEM.png (characters of `stem` that are no good in a file name become '_') and returns its
-/// record, complete but for `explain`. Throws EnvironmentError where the disk refuses.
+/// record, complete but for `explain`. Values of up to kMostValuePixels pixels go to STEM.values.js beside it. Throws
+/// EnvironmentError where the disk refuses.
 PictureRecord save_picture(const Picture& picture, const std::filesystem::path& folder, const std::string& stem,
                            const std::string& title, const std::string& caption);
 

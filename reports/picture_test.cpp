@@ -7,6 +7,7 @@
 #include <set>
 
 #include "reports/example_run.h"
+#include "reports/files.h"
 #include "reports/summary.h"
 #include "scenes/image_file.h"
 #include "scenes/scene.h"
@@ -38,7 +39,7 @@ TEST_CASE("picture: known colours") {
 }
 
 TEST_CASE("picture: colours are shown as a screen shows linear light") {
-  const std::vector<glm::dvec3> colors = {{0.0, 1.0, 0.5}, {-1.0, 7.0, std::nan("")}};
+  const std::vector<glm::dvec3> colors = {{0.0, 1.0, 0.5}, {-1.0, 7.0, 0.0}};
   const Picture picture = paint_colors(colors, 2, 1);
   CHECK(picture.pixels[0] == Rgb{0, 255, 188});  // IEC 61966-2-1: 1.055 * 0.5^(1/2.4) - 0.055 = 0.7354
   CHECK(picture.pixels[1] == Rgb{0, 255, 0});
@@ -121,6 +122,28 @@ TEST_CASE("picture: the file holds the pixels") {
   REQUIRE(image.channel_count() == 3);
   for (std::size_t i = 0; i < image.pixels.size(); ++i)
     CHECK(std::lround(image.pixels[i] * 255.0f) == picture.pixels[i / 3][i % 3]);
+}
+
+TEST_CASE("picture: the values are kept to the last bit, of small pictures alone") {
+  TemporaryFolder folder;
+  const std::vector<glm::dvec3> colors = {{0.1, 2.5, 0.0}, {1.0, 0.5, std::nan("")}};
+  const Picture picture = paint_colors(colors, 2, 1);
+  CHECK(picture.pixels[0] == Rgb{89, 255, 0});  // sRGB of 0.1 is 0.3492
+  CHECK(picture.pixels[1] == kNoValue);
+  REQUIRE(picture.legend.size() == 2);
+  CHECK(picture.legend[0].label == "brighter than shown");
+  const PictureRecord record = save_picture(picture, folder.path, "pair", "Tracer", "");
+  CHECK(record.values == "pictures/pair.values.js");
+  // 0.1f is 3dcccccd, 2.5f 40200000, 1.0f 3f800000, 0.5f 3f000000, NaN 7fc00000: little-endian, in base64.
+  CHECK(read_text(folder.path / record.values) ==
+        "plumbline_values({\"picture\":\"pictures/pair.png\",\"width\":2,\"height\":1,\"unit\":\"linear "
+        "colour\",\"channels\":[\"R\",\"G\",\"B\"],\"kinds\":[],\"float32\":"
+        "\"zczMPQAAIEAAAAAAAACAPwAAAD8AAMB/\"})\n");
+  const std::vector<float> most(kMostValuePixels, 1.0f), more(kMostValuePixels + 1, 1.0f);
+  CHECK_FALSE(save_picture(paint_values(most, 128, 128, "m"), folder.path, "most", "", "").values.empty());
+  CHECK(save_picture(paint_values(more, kMostValuePixels + 1, 1, "m"), folder.path, "more", "", "").values.empty());
+  CHECK(
+      save_picture(paint_primitives(std::vector<std::uint32_t>{1}, {}, 1, 1), folder.path, "p", "", "").values.empty());
 }
 
 TEST_CASE("Signed values are blue below zero, orange above, and alike in size") {

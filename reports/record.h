@@ -51,7 +51,8 @@ struct PictureRecord {
   int width = 0, height = 0;  ///< pixels
   ColorScale scale;
   std::vector<LegendEntry> legend;
-  std::string explain;  ///< the command that explains a pixel, but for its "X,Y" at the end; empty where there is none
+  std::string explain;   ///< the command that explains a pixel, but for its "X,Y" at the end; empty where there is none
+  std::string values{};  ///< file of its pixels' values (pixel_values.h), as `path`; empty: only colours are known
 };
 
 /// A measured figure with its unit.

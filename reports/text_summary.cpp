@@ -3,6 +3,8 @@
 #include "reports/text_summary.h"
 
 #include <algorithm>
+#include <limits>
+#include <set>
 #include <vector>
 
 #include "reports/files.h"
@@ -12,8 +14,25 @@
 namespace plumbline {
 namespace {
 
+// A page for a chat message: so many failing cases and families, the rest is counted.
+constexpr std::size_t kMarkdownFailures = 10, kMarkdownFamilies = 20;
+
+/// The families that are shown: at most `most`, those with rays that fail first, in the run's order.
+std::set<std::string> shown_families(const RunRecord& run, std::size_t most) {
+  const std::vector<std::string> families = families_of(run);
+  std::set<std::string> failing, shown;
+  for (const CaseRecord& record : run.cases)
+    for (const auto& [name, count] : record.verdicts)
+      if (count && verdict_always_fails(name)) failing.insert(record.family);
+  for (const bool wanted : {true, false})
+    for (const std::string& family : families)
+      if (failing.contains(family) == wanted && shown.size() < most) shown.insert(family);
+  return shown;
+}
+
 /// Cells of text, the first row being the heading; empty where no ray was judged.
-std::vector<std::vector<std::string>> verdict_table(const RunRecord& run) {
+std::vector<std::vector<std::string>> verdict_table(const RunRecord& run,
+                                                    std::size_t most = std::numeric_limits<std::size_t>::max()) {
   const RunSummary total = summarize(run);
   if (total.rays == 0) return {};
   const std::vector<std::string> verdicts = verdicts_in_order(total.verdicts);
@@ -37,8 +56,13 @@ std::vector<std::vector<std::string>> verdict_table(const RunRecord& run) {
     if (total.without_verdict) row.push_back(without ? grouped(without) : "");
     rows.push_back(std::move(row));
   };
-  for (const std::string& family : families_of(run))
-    add_row(family, [&](const CaseRecord& record) { return record.family == family; });
+  const std::vector<std::string> families = families_of(run);
+  const std::set<std::string> shown = shown_families(run, most);
+  for (const std::string& family : families)
+    if (shown.contains(family)) add_row(family, [&](const CaseRecord& record) { return record.family == family; });
+  if (shown.size() < families.size())
+    add_row("(" + grouped(families.size() - shown.size()) + " others)",
+            [&](const CaseRecord& record) { return !record.family.empty() && !shown.contains(record.family); });
   add_row("(no family)", [](const CaseRecord& record) { return record.family.empty(); });
   add_row("all", [](const CaseRecord&) { return true; });
   return rows;
@@ -140,12 +164,15 @@ std::string markdown_summary(const RunRecord& run) {
   const auto failures = failures_of(run);
   if (!failures.empty()) {
     out += "\n\n## What failed\n";
-    for (const CaseRecord* record : failures) {
-      out += "\n- **" + markdown(record->name) + "**: " + markdown(message_of(*record));
-      if (!record->replay.empty()) out += "  \n  " + code(record->replay);
+    for (std::size_t i = 0; i < failures.size() && i < kMarkdownFailures; ++i) {
+      const CaseRecord& record = *failures[i];
+      out += "\n- **" + markdown(record.name) + "**: " + markdown(message_of(record));
+      if (!record.replay.empty()) out += "  \n  " + code(record.replay);
     }
+    if (failures.size() > kMarkdownFailures)
+      out += "\n- and " + counted(failures.size() - kMarkdownFailures, "more case") + " in the report";
   }
-  const auto table = verdict_table(run);
+  const auto table = verdict_table(run, kMarkdownFamilies);
   if (!table.empty()) out += "\n\n## Verdicts by family (rays)\n\n";
   for (std::size_t r = 0; r < table.size(); ++r) {
     out += "|";

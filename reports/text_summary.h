@@ -17,7 +17,7 @@ struct TextOptions {
 /// The headline, what the driver does wrong, verdicts by family as a table, and each failure with its replay command.
 std::string text_summary(const RunRecord& run, const TextOptions& options = {});
 
-/// The same as Markdown.
+/// The same as Markdown, at most about 60 lines: ten failing cases and twenty families, the rest counted.
 std::string markdown_summary(const RunRecord& run);
 
 /// Writes markdown_summary through a temporary file. Throws EnvironmentError.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the report's page does, after page.js: filters, tables of rays built when they are looked at, the picture viewer.
+// What the report's page does, after page.js: filters, tables of rays built when they are looked at.
 // ---- Rays ----
 // The packing is described in html_rays.cpp.
 const data = JSON.parse(byId('data').textContent);
@@ -26,18 +26,21 @@ for (const packed of data.rays) {
   raysOf.get(id).push(packed);
 }
 
-// A hex float as the shortest decimal that is the same 32-bit float.
+// The shortest decimal that is the same 32-bit float, or the same double where it is none.
+function shortest(value) {
+  if (Object.is(value, -0)) return '-0';
+  for (let digits = 1; digits <= 17; ++digits) {
+    const near = Number(value.toPrecision(digits));
+    if (near === value || (Math.fround(value) === value && Math.fround(near) === value)) return String(near);
+  }
+  return String(value);
+}
+// A hex float in decimal.
 function decimal(hex) {
   const parts = /^([+-]?)0x([0-9a-f]+)\.?([0-9a-f]*)p([+-]?\d+)$/i.exec(hex.trim());
   if (!parts) return hex;
   const value = (parts[1] === '-' ? -1 : 1) * parseInt(parts[2] + parts[3], 16) * 2 ** (Number(parts[4]) - 4 * parts[3].length);
-  if (Object.is(value, -0)) return '-0';
-  for (let digits = 1; digits <= 17; ++digits) {
-    const text = value.toPrecision(digits);
-    const near = Number(text);
-    if (near === value || (Math.fround(value) === value && Math.fround(near) === value)) return String(near);
-  }
-  return String(value);
+  return shortest(value);
 }
 const decimals = text => text.split(',').map(decimal).join(', ');
 const verdictOrder = verdict => { const i = kVerdicts.indexOf(verdict); return i < 0 ? kVerdicts.length : i; };
@@ -101,30 +104,36 @@ function mountRays(mount, packed, options) {
   const more = make('button', { type: 'button', className: 'more' }, 'Show more');
   const body = make('tbody');
   const head = make('tr');
+  // Narrow windows show no headings to click.
+  const order = make('select', { className: 'sort', ariaLabel: 'Order' }, make('option', {}, 'order')), orders = [];
   for (const column of columns) {
     const cell = make('th', { scope: 'col', className: column.number ? 'n' : '' });
     if (column.name === 'verdict' && !options.verdict) cell.setAttribute('aria-sort', 'descending');
     if (column.key) {
       const button = make('button', { type: 'button' }, column.name);
-      button.onclick = () => {
-        const down = cell.getAttribute('aria-sort') === 'ascending';
-        for (const other of head.children) other.removeAttribute('aria-sort');
-        cell.setAttribute('aria-sort', down ? 'descending' : 'ascending');
-        const sign = down ? -1 : 1;
-        const order = (a, b) => {
-          const x = column.key(a), y = column.key(b);
-          if (typeof x === 'string') return sign * x.localeCompare(y, 'en', { numeric: true });
-          if (Number.isNaN(x) || Number.isNaN(y)) return Number.isNaN(x) - Number.isNaN(y);  // what has no number comes last
-          return sign * (x - y);
-        };
-        sorted = [...rays].sort(order);
-        draw();
-      };
+      button.onclick = () => sortBy(column, cell, cell.getAttribute('aria-sort') === 'ascending');
       cell.append(button);
+      for (const direction of ['ascending', 'descending']) {
+        order.append(make('option', {}, `${column.name}, ${direction}`));
+        orders.push(() => sortBy(column, cell, direction === 'descending'));
+      }
     } else {
       cell.append(column.name);
     }
     head.append(cell);
+  }
+  order.onchange = () => orders[order.selectedIndex - 1]?.();
+  function sortBy(column, cell, down) {
+    for (const other of head.children) other.removeAttribute('aria-sort');
+    cell.setAttribute('aria-sort', down ? 'descending' : 'ascending');
+    const sign = down ? -1 : 1;
+    sorted = [...rays].sort((a, b) => {
+      const x = column.key(a), y = column.key(b);
+      if (typeof x === 'string') return sign * x.localeCompare(y, 'en', { numeric: true });
+      if (Number.isNaN(x) || Number.isNaN(y)) return Number.isNaN(x) - Number.isNaN(y);  // what has no number comes last
+      return sign * (x - y);
+    });
+    draw();
   }
   function draw() {
     const words = filter.value.toLowerCase().split(/\s+/).filter(Boolean);
@@ -148,7 +157,7 @@ function mountRays(mount, packed, options) {
   more.onclick = () => { shown += 4 * kPage; draw(); };
   const tools = make('div', { className: 'tools' }, filter);
   if (verdicts.length > 1) tools.append(select);
-  tools.append(base, count);
+  tools.append(order, base, count);
   const scroll = make('div', { className: 'scroll', tabIndex: 0, role: 'region', ariaLabel: 'Rays' },
     make('table', { className: 'raytable' }, make('thead', {}, head), body));
   mount.append(tools, scroll, more);
@@ -160,7 +169,8 @@ const soon = new IntersectionObserver(entries => {
   for (const { isIntersecting, target } of entries) {
     if (!isIntersecting) continue;
     soon.unobserve(target);
-    if (target.dataset.case) mountRays(target, raysOf.get(target.dataset.case) || [], {});
+    const owner = target.closest('.case');
+    if (owner) mountRays(target, raysOf.get(owner.id) || [], {});
     else mountRays(target, data.rays, { withCase: true, verdict: target.dataset.verdict });
   }
 }, { rootMargin: '400px' });
@@ -173,18 +183,42 @@ if (byId('case-tools')) {
   const count = make('span', { className: 'soft', ariaLive: 'polite' });
   const states = ['passed', 'failed', 'error', 'skipped'].filter(s => cases.some(c => c.classList.contains('s-' + s)));
   const select = make('select', { ariaLabel: 'Status' }, make('option', { value: '' }, 'all'), ...states.map(s => make('option', { value: s }, s)));
-  const texts = cases.map(c => c.textContent.toLowerCase());
+  // A cell of a matrix narrows the list to its cases.
+  let texts, cell = {};
+  const axesOf = c => ({ feature: c.closest('.group').dataset.feature, ...c.dataset });
+  const within = c => { const axes = axesOf(c); return Object.entries(cell).every(([name, value]) => axes[name] === value); };
   const draw = () => {
+    texts ||= cases.map(c => c.textContent.toLowerCase());
     const words = filter.value.toLowerCase().split(/\s+/).filter(Boolean);
     let kept = 0;
     cases.forEach((c, i) => {
-      c.hidden = !((!select.value || c.classList.contains('s-' + select.value)) && words.every(w => texts[i].includes(w)));
+      c.hidden = !(within(c) && (!select.value || c.classList.contains('s-' + select.value)) && words.every(w => texts[i].includes(w)));
       kept += !c.hidden;
     });
     for (const group of all('.group')) group.hidden = !group.querySelector('.case:not([hidden])');
     count.textContent = kept === cases.length ? '' : `${kept} of ${cases.length}`;
   };
   filter.oninput = select.onchange = draw;
+  const whole = make('button', { type: 'button', className: 'whole', hidden: true });
+  const narrow = chosen => {
+    cell = chosen;
+    const what = Object.values(cell).map(value => value || 'no scene').join(', ');
+    whole.hidden = !what;
+    whole.textContent = `${what} ✕`;
+    whole.ariaLabel = `Only ${what}: show all cases`;
+    filter.value = select.value = '';
+    draw();
+  };
+  whole.onclick = () => narrow({});
+  for (const [section, row] of [['#matrix', 'feature'], ['#families', 'family']]) {
+    for (const link of all(`${section} td a`)) {
+      link.title = link.ariaLabel;
+      link.addEventListener('click', () => {
+        const axes = axesOf(byId(decodeURIComponent(link.hash.slice(1))));
+        narrow({ [row]: axes[row], scene: axes.scene });
+      });
+    }
+  }
   const open = make('button', { type: 'button' }, 'Open failed');
   open.onclick = () => { for (const c of cases) c.open = !c.hidden && (c.classList.contains('s-failed') || c.classList.contains('s-error')); };
   const close = make('button', { type: 'button' }, 'Close all');
@@ -194,7 +228,7 @@ if (byId('case-tools')) {
   tools.append(filter);
   if (states.length > 1) tools.append(select);
   if (states.includes('failed') || states.includes('error')) tools.append(open);
-  tools.append(close, count);
+  tools.append(close, whole, count);
 }
 // A link to a case opens it, also where a filter hides it.
 function follow() {
@@ -207,82 +241,10 @@ function follow() {
 }
 addEventListener('hashchange', follow);
 document.addEventListener('click', event => {
+  const summary = event.target.closest('.case > summary');
+  if (summary) history.replaceState(null, '', '#' + summary.parentElement.id);  // the address always leads to the case last opened
   const link = event.target.closest('a[href^="#case-"]');
   if (link && link.hash === location.hash) follow();  // a second click changes no address
 });
 follow();
 addEventListener('beforeprint', () => { for (const c of cases) if (c.classList.contains('s-failed')) c.open = true; });
-
-// ---- Pictures ----
-{
-  const dialog = byId('viewer'), stage = dialog.querySelector('.stage'), image = stage.querySelector('img');
-  const title = dialog.querySelector('b'), readout = dialog.querySelector('.pixel'), hint = dialog.querySelector('.click');
-  let list = [], at = 0, zoom = 1, left = 0, top = 0, drag = null;
-  const place = () => { image.style.transform = `translate(${left}px, ${top}px) scale(${zoom})`; };
-  const fit = () => {
-    const { clientWidth: w, clientHeight: h } = stage;
-    const exact = Math.min(w / image.naturalWidth, h / image.naturalHeight);
-    zoom = exact >= 1 ? Math.floor(exact) : exact;  // whole pixels stay square
-    left = (w - zoom * image.naturalWidth) / 2;
-    top = (h - zoom * image.naturalHeight) / 2;
-    place();
-  };
-  const show = (index, keep) => {
-    at = (index + list.length) % list.length;
-    const source = list[at];
-    title.textContent = source.alt;
-    readout.textContent = '';
-    hint.textContent = source.dataset.explain ? 'A click copies the command that explains the pixel.' : '';
-    image.alt = source.alt;
-    image.onload = keep ? null : fit;
-    image.src = source.src;
-  };
-  const scale = (factor, x = stage.clientWidth / 2, y = stage.clientHeight / 2) => {
-    const next = Math.min(64, Math.max(0.1, zoom * factor));
-    left = x - (x - left) * next / zoom;
-    top = y - (y - top) * next / zoom;
-    zoom = next;
-    place();
-  };
-  const pixel = event => {
-    const box = stage.getBoundingClientRect();
-    const x = Math.floor((event.clientX - box.left - left) / zoom), y = Math.floor((event.clientY - box.top - top) / zoom);
-    return x >= 0 && y >= 0 && x < image.naturalWidth && y < image.naturalHeight ? [x, y] : null;
-  };
-  const steps = { back: () => show(at - 1, true), next: () => show(at + 1, true), in: () => scale(2), out: () => scale(0.5), close: () => dialog.close() };
-  for (const button of all('button[data-do]', dialog)) button.onclick = steps[button.dataset.do];
-  dialog.onkeydown = event => {
-    const step = { ArrowLeft: 'back', ArrowRight: 'next', '+': 'in', '=': 'in', '-': 'out' }[event.key];
-    if (step) { event.preventDefault(); steps[step](); }
-  };
-  stage.addEventListener('wheel', event => {
-    event.preventDefault();
-    const box = stage.getBoundingClientRect();
-    scale(event.deltaY < 0 ? 1.25 : 0.8, event.clientX - box.left, event.clientY - box.top);
-  }, { passive: false });
-  stage.onpointerdown = event => { drag = { x: event.clientX, y: event.clientY, left, top, moved: false }; stage.setPointerCapture(event.pointerId); };
-  stage.onpointermove = event => {
-    const found = pixel(event);
-    readout.textContent = found ? `pixel ${found[0]}, ${found[1]}` : '';
-    if (!drag) return;
-    drag.moved ||= Math.abs(event.clientX - drag.x) + Math.abs(event.clientY - drag.y) > 4;
-    if (!drag.moved) return;
-    left = drag.left + event.clientX - drag.x;
-    top = drag.top + event.clientY - drag.y;
-    place();
-  };
-  stage.onpointerup = event => {
-    const clicked = drag && !drag.moved && pixel(event), command = list[at].dataset.explain;
-    drag = null;
-    if (clicked && command) copy(`${command} ${clicked[0]},${clicked[1]}`, readout);
-  };
-  for (const figures of all('.pictures')) {
-    const pictures = all('img', figures);
-    pictures.forEach((picture, i) => {
-      picture.tabIndex = 0;
-      picture.setAttribute('role', 'button');
-      picture.onclick = () => { list = pictures; dialog.showModal(); show(i, false); };
-      picture.onkeydown = event => { if (event.key === 'Enter') picture.click(); };
-    });
-  }
-}
