@@ -60,10 +60,19 @@ class Lexer {
     }
   }
 
-  /// Of a macro the text is left for what follows; every other directive is passed over.
+  /// Of a macro the text is left for what follows; every other directive is passed over, and with #ifdef of an
+  /// instrument all up to its #else or #endif.
   void directive() {
     const std::size_t end = std::min(text_.find('\n', at_), text_.size());
     std::size_t at = at_ + 1;
+    const std::string_view line = text_.substr(at_, end - at_);
+    if (watched_ > 0) {
+      watched_ += line.starts_with("#if") ? 1 : 0;
+      watched_ -= line.starts_with("#endif") || (watched_ == 1 && line.starts_with("#else")) ? 1 : 0;
+      at_ = end;
+      return;
+    }
+    if (line == "#ifdef CAPTURE" || line == "#ifdef COUNT_VISITS") watched_ = 1;
     const auto blanks = [&] {
       while (at < end && (text_[at] == ' ' || text_[at] == '\t')) ++at;
     };
@@ -100,12 +109,13 @@ class Lexer {
                                             [&](std::string_view s) { return text_.substr(at_, s.size()) == s; });
       at_ += sign == kLongSigns.end() ? 1 : sign->size();
     }
-    tokens_.push_back({kind, start, std::string(text_.substr(start, at_ - start))});
+    if (watched_ == 0) tokens_.push_back({kind, start, std::string(text_.substr(start, at_ - start))});
   }
 
   std::string_view text_;
   std::size_t at_ = 0;
   bool is_line_start_ = true;
+  int watched_ = 0;  ///< how many #if are open within that of an instrument, itself included
   std::vector<Token> tokens_;
 };
 

@@ -36,7 +36,8 @@ std::string name_of(const Mutant& mutant);
 ShaderPatch patch_of(const Mutant& mutant);
 
 /// The mutants of a shader's text, in its order. Comments are left alone, and so are preprocessor lines but for the
-/// text of macros; numbers in layout(...) are declarations of the interface.
+/// text of macros; numbers in layout(...) are declarations of the interface. What stands under #ifdef CAPTURE or
+/// COUNT_VISITS watches the walk for explanations, and is in no production program.
 std::vector<Mutant> mutants_of(std::string_view file, std::string_view text);
 
 /// Why a shader file has no mutants; nothing where it is production.

@@ -43,6 +43,8 @@ TEST_CASE("comments, directives and layouts have no mutants, macros do", "[mutan
   CHECK(changes("layout(location = 3) out vec4 v;").empty());
   CHECK(changes("layout(location = 3) out vec4 v; a + b;") == Changes{"36: + -> -"});
   CHECK(changes("#define N 3\n#define F(x, y) ((x) & 1)\n") == Changes{"11: 3 -> 4", "22: & -> |", "24: 1 -> 2"});
+  CHECK(changes("#ifdef CAPTURE\na + b;\n#ifdef X\n1\n#endif\n2\n#else\n  c - d;\n#endif\n3\n") ==
+        Changes{"5: - -> +", "1: 3 -> 4"});
   const std::vector<Mutant> mutants = mutants_of("a.glsl", "int f() {\n  return a\n    + b;  // sum\n}\n");
   REQUIRE(mutants.size() == 1);
   CHECK(mutants[0].line == 3);
