@@ -8,6 +8,7 @@
 #include "harness/hit_cases.h"
 #include "harness/mutation_oracles.h"
 #include "harness/mutation_scenes.h"
+#include "harness/walk_model.h"
 #include "scenes/error.h"
 #include "scenes/generate.h"
 #include "tracer/probe.h"
@@ -39,7 +40,8 @@ struct Program {
   BakeOptions options;
   Traversal traversal = Traversal::tree;
   int bundle = 1;
-  bool rare = false;  ///< rays that go on in the thorough program
+  bool rare = false;   ///< rays that go on in the thorough program
+  bool alike = false;  ///< each ray fills a bundle of its own, which walks as the ray does alone
 };
 
 std::string name_of(const Program& p) {
@@ -49,7 +51,27 @@ std::string name_of(const Program& p) {
     name += std::string("_") + name_of(p.options.transform_out);
   if (p.traversal == Traversal::brute_force) name += ".brute_force";
   if (p.bundle > 1) name += ".bundles_of_" + std::to_string(p.bundle);
+  if (p.alike) name += ".alike";
   return name + (p.rare ? ".rare" : "");
+}
+
+/// The first ray that does not walk as the model does.
+std::string first_detour(const std::vector<ModelWalk>& model, const std::vector<Hit>& hits) {
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    const Hit& hit = hits[i];
+    // A ray that had to walk alone is counted otherwise.
+    if (!model[i].is_clear || hit.kind == HitKind::undefined) continue;
+    const auto compare = [&](std::uint32_t got, std::uint32_t wanted, const char* what) {
+      return got == wanted ? std::string()
+                           : "ray " + std::to_string(i) + " has " + std::to_string(got) + " " + what + ", not " +
+                                 std::to_string(wanted);
+    };
+    if (std::string e = compare(hit.steps, model[i].steps, "steps"); !e.empty()) return e;
+    if (hit.primitive_tests == 0 && hit.transforms == 0) continue;  // of bundles
+    if (std::string e = compare(hit.primitive_tests, model[i].tests, "primitive tests"); !e.empty()) return e;
+    if (std::string e = compare(hit.transforms, model[i].transforms, "transforms"); !e.empty()) return e;
+  }
+  return {};
 }
 
 std::vector<ActiveLines> lines_of(const GeometryImage& image, const Program& p) {
@@ -68,6 +90,23 @@ std::vector<ActiveLines> lines_of(const GeometryImage& image, const Program& p) 
   return all;
 }
 
+std::vector<Hit> traced(Probe& probe, const std::vector<Ray>& rays) {
+  std::vector<Hit> hits(rays.size());
+  probe.trace(rays, hits);
+  return hits;
+}
+
+/// Every ray `size` times, side by side; the last of its answers.
+std::vector<Hit> traced_alike(Probe& probe, const std::vector<Ray>& rays, int size) {
+  std::vector<Ray> many;
+  for (const Ray& ray : rays) many.insert(many.end(), static_cast<std::size_t>(size), ray);
+  const std::vector<Hit> hits = traced(probe, many);
+  std::vector<Hit> last;
+  for (std::size_t i = static_cast<std::size_t>(size) - 1; i < hits.size(); i += static_cast<std::size_t>(size))
+    last.push_back(hits[i]);
+  return last;
+}
+
 MutationOracle oracle_of(GlContext& context, const Program& p) {
   const MutationStage& stage = mutation_stage(context, p.scene);
   auto image = std::make_shared<const GeometryImage>(bake(stage.stage.scene, p.options));
@@ -81,10 +120,15 @@ MutationOracle oracle_of(GlContext& context, const Program& p) {
     alone->resize(rays.rays.size());
     Probe(context, *image).trace(rays.rays, *alone);
   }
-  oracle.ask = [&context, &stage, &rays, image, p, drifts, alone](const Mutant& mutant) {
+  std::vector<ModelWalk> model;
+  if (p.traversal == Traversal::tree && !p.rare && (p.bundle == 1 || p.alike))
+    for (const Ray& ray : rays.rays)
+      model.push_back(is_defined(ray) ? model_walk(*image, ray) : ModelWalk{0, 0, 0, false});
+  oracle.ask = [&context, &stage, &rays, image, p, drifts, alone, model](const Mutant& mutant) {
     Probe probe = p.bundle > 1 ? Probe(context, *image, BundleSize{p.bundle}) : Probe(context, *image, p.traversal);
-    std::vector<Hit> hits(rays.rays.size());
-    probe.trace(rays.rays, hits);
+    std::vector<Hit> hits = p.alike ? traced_alike(probe, rays.rays, p.bundle) : traced(probe, rays.rays);
+    if (!model.empty())
+      if (const std::string what = first_detour(model, hits); !what.empty()) return what;
     if (drifts && p.bundle > 1) {
       // Bundles do not count what bounds of rays that drift hang on.
       if (is_of_bundles_alone(mutant.file))
@@ -132,6 +176,9 @@ std::vector<MutationOracle> walk_oracles(GlContext& context) {
       {S::nested, paper_drift, tree, 1, true},
       {S::nested, boxes, tree, 1, true},
       {S::mixed, compact, tree, 2},
+      {S::spheres, compact, tree, 2, false, true},
+      {S::nested, drift, tree, 2, false, true},
+      {S::triangles, boxes, tree, 3, false, true},
       {S::spheres, compact, tree, 2, true},
       {S::mixed, boxes, tree, 2},
       {S::mixed, compact, tree, 3, true},
