@@ -24,7 +24,7 @@ struct Known {
 
 std::vector<ActiveLines> programs_of(const Scene& scene, Effects::Model model) {
   const GeometryImage image = bake(scene);
-  const ProgramVariant walk = program_variant(image, false, false);
+  const ProgramVariant walk = program_variant(image, false, false);  // whose mutants others see
   ShadingVariant variant;
   variant.has_triangles = walk.has_triangles, variant.has_spheres = walk.has_spheres;
   variant.has_transforms = walk.has_transforms, variant.has_textures = !scene.textures.empty();
@@ -37,13 +37,6 @@ std::vector<ActiveLines> programs_of(const Scene& scene, Effects::Model model) {
         std::pair{RenderPass::camera, PassTap::lens_numbers}, std::pair{RenderPass::light, PassTap::numbers},
         std::pair{RenderPass::scatter, PassTap::numbers}})
     all.push_back(active_lines(render_shader(pass, variant, tap)));
-  for (const bool any : {false, true}) {
-    ProgramVariant rendering = walk;
-    rendering.rendering = true, rendering.any_hit = any;
-    all.push_back(active_lines(probe_fragment_shader(rendering)));
-    rendering.thorough = true;
-    all.push_back(active_lines(probe_fragment_shader(rendering)));
-  }
   return all;
 }
 

@@ -6,6 +6,7 @@
 #include "harness/hit_cases.h"
 #include "harness/mutation_oracles.h"
 #include "harness/mutation_scenes.h"
+#include "harness/walk_model.h"
 #include "tracer/ray_walk.h"
 #include "tracer/shader_words.h"
 
@@ -17,12 +18,14 @@ struct Asked {
   BakeOptions options;
   int bundle = 1;
   RayQuery query = RayQuery::nearest;
+  bool alike = false;  ///< rays that end in the first pass, each in a bundle of its own: they walk as the model does
 };
 
 std::string name_of(const Asked& a) {
   std::string name = std::string("walk.") + name_of(a.scene) + "." + name_of(a.options.layout) + "_" +
                      name_of(a.options.bounds) + (a.query == RayQuery::any ? ".any" : ".nearest");
   if (a.options.transform_out == TransformOut::inverse) name += ".inverse";
+  if (a.alike) name += ".alike";
   return name + (a.bundle > 1 ? ".bundles_of_" + std::to_string(a.bundle) : "");
 }
 
@@ -101,6 +104,26 @@ MutationOracle oracle_of(GlContext& context, const Asked& a) {
   MutationOracle oracle;
   oracle.name = name_of(a);
   oracle.programs = lines_of(*image, a);
+  if (a.alike) {
+    auto alike = std::make_shared<std::vector<Ray>>();
+    auto steps = std::make_shared<std::vector<std::uint32_t>>();
+    for (const Ray& ray : stage.plain.rays) {
+      if (!is_defined(ray)) continue;
+      const ModelWalk model = model_walk(*image, ray, a.query == RayQuery::any);
+      if (!model.is_clear) continue;
+      alike->insert(alike->end(), static_cast<std::size_t>(a.bundle), ray);
+      steps->insert(steps->end(), static_cast<std::size_t>(a.bundle), model.steps);
+    }
+    oracle.ask = [&context, image, a, alike, steps](const Mutant&) -> std::string {
+      const std::vector<Hit> hits = walked(context, *image, a, *alike);
+      for (std::size_t i = 0; i < hits.size(); ++i)
+        if (hits[i].steps != (*steps)[i])
+          return "ray " + std::to_string(i) + " has " + std::to_string(hits[i].steps) + " steps, not " +
+                 std::to_string((*steps)[i]);
+      return {};
+    };
+    return oracle;
+  }
   oracle.ask = [&context, &rays, image, a, alone, is_clear, judge_of_rays, drifts](const Mutant&) -> std::string {
     std::vector<Hit> hits = walked(context, *image, a, rays.rays);
     if (a.query == RayQuery::any) {
@@ -131,13 +154,16 @@ std::vector<MutationOracle> ray_walk_oracles(GlContext& context) {
                     drift = with(Layout::compact, Bounds::sphere, TransformOut::inverse);
   const RayQuery nearest = RayQuery::nearest, any = RayQuery::any;
   std::vector<MutationOracle> oracles;
-  for (const Asked& a :
-       {Asked{S::mixed, compact, 1, nearest}, Asked{S::mixed, compact, 1, any}, Asked{S::mixed, paper, 1, any},
-        Asked{S::nested, compact, 1, nearest}, Asked{S::nested, compact, 1, any}, Asked{S::nested, paper, 1, any},
-        Asked{S::nested, drift, 1, nearest}, Asked{S::mixed, compact, 2, nearest}, Asked{S::mixed, compact, 2, any},
-        Asked{S::mixed, compact, 3, nearest}, Asked{S::mixed, compact, 4, nearest}, Asked{S::mixed, compact, 4, any},
-        Asked{S::nested, compact, 2, nearest}, Asked{S::nested, compact, 2, any}, Asked{S::nested, compact, 4, nearest},
-        Asked{S::nested, compact, 3, any}})
+  for (const Asked& a : {Asked{S::mixed, compact, 1, nearest},   Asked{S::mixed, compact, 1, any},
+                         Asked{S::mixed, paper, 1, any},         Asked{S::nested, compact, 1, nearest},
+                         Asked{S::nested, compact, 1, any},      Asked{S::nested, paper, 1, any},
+                         Asked{S::nested, drift, 1, nearest},    Asked{S::mixed, compact, 2, nearest},
+                         Asked{S::mixed, compact, 2, any},       Asked{S::mixed, compact, 3, nearest},
+                         Asked{S::mixed, compact, 4, nearest},   Asked{S::mixed, compact, 4, any},
+                         Asked{S::nested, compact, 2, nearest},  Asked{S::nested, compact, 2, any},
+                         Asked{S::nested, compact, 4, nearest},  Asked{S::nested, compact, 3, any},
+                         Asked{S::mixed, compact, 1, any, true}, Asked{S::mixed, paper, 1, any, true},
+                         Asked{S::mixed, compact, 2, any, true}, Asked{S::nested, compact, 4, any, true}})
     oracles.push_back(oracle_of(context, a));
   return oracles;
 }

@@ -16,6 +16,9 @@ enum class MutationScene {
   triangles,       ///< triangles alone
   nested,          ///< the shipped scene of instances in instances
   spheres_placed,  ///< instances of spheres alone
+  doubles,         ///< everything is there twice or more, in the world and in instances
+  slats,           ///< triangles that all of the rays see edge-on
+  scales,          ///< the shipped scene of instances of very different sizes
 };
 const char* name_of(MutationScene scene);
 
@@ -38,6 +41,9 @@ const MutationStage& mutation_stage(GlContext& context, MutationScene scene);
 
 /// The first ray whose answer fails by its verdict: what is wrong with it. Empty where none does.
 std::string first_failure(const Judge& judge, const MutationRays& rays, const std::vector<Hit>& hits);
+/// The first ray that names a primitive although the same stands in the world, in an instance of a lower number, or has
+/// a lower number itself (SEMANTICS 5).
+std::string first_wrong_tie(const Scene& scene, const std::vector<Ray>& rays, const std::vector<Hit>& hits);
 /// The first ray whose answer is not `known`, bit for bit.
 std::string first_difference(const MutationRays& rays, const std::vector<Hit>& hits, const std::vector<Hit>& known);
 

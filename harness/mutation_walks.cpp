@@ -47,7 +47,8 @@ struct Program {
 std::string name_of(const Program& p) {
   std::string name = std::string(name_of(p.scene)) + "." + name_of(p.options.layout) + "_" + name_of(p.options.bounds) +
                      "_" + name_of(p.options.links);
-  if (p.scene == MutationScene::nested || p.scene == MutationScene::spheres_placed)
+  if (p.scene == MutationScene::nested || p.scene == MutationScene::spheres_placed ||
+      p.scene == MutationScene::doubles || p.scene == MutationScene::scales)
     name += std::string("_") + name_of(p.options.transform_out);
   if (p.traversal == Traversal::brute_force) name += ".brute_force";
   if (p.bundle > 1) name += ".bundles_of_" + std::to_string(p.bundle);
@@ -124,8 +125,16 @@ MutationOracle oracle_of(GlContext& context, const Program& p) {
   if (p.traversal == Traversal::tree && !p.rare && (p.bundle == 1 || p.alike))
     for (const Ray& ray : rays.rays)
       model.push_back(is_defined(ray) ? model_walk(*image, ray) : ModelWalk{0, 0, 0, false});
-  oracle.ask = [&context, &stage, &rays, image, p, drifts, alone, model](const Mutant& mutant) {
+  std::vector<Ray> clear;  // rays that end in the first pass, whoever walks with them
+  for (std::size_t i = 0; i < model.size() && !drifts; ++i)
+    if (model[i].is_clear) clear.push_back(rays.rays[i]);
+  oracle.ask = [&context, &stage, &rays, image, p, drifts, alone, model, clear](const Mutant& mutant) {
     Probe probe = p.bundle > 1 ? Probe(context, *image, BundleSize{p.bundle}) : Probe(context, *image, p.traversal);
+    if (!clear.empty()) {
+      std::vector<Hit> ended(clear.size());
+      probe.trace(clear, ended);
+      if (probe.resumed_passes() > 0) return std::string("rays need another pass, though no triangle is seen edge-on");
+    }
     std::vector<Hit> hits = p.alike ? traced_alike(probe, rays.rays, p.bundle) : traced(probe, rays.rays);
     if (!model.empty())
       if (const std::string what = first_detour(model, hits); !what.empty()) return what;
@@ -138,6 +147,8 @@ MutationOracle oracle_of(GlContext& context, const Program& p) {
       const std::vector<Hit>& known = p.options.layout == Layout::compact ? rays.brute_paper : rays.brute_compact;
       if (const std::string what = first_difference(rays, hits, known); !what.empty()) return what;
     }
+    if (p.scene == MutationScene::doubles)
+      if (const std::string what = first_wrong_tie(stage.stage.scene, rays.rays, hits); !what.empty()) return what;
     return first_failure(stage.stage.judge_of(p.options.transform_out), rays, hits);
   };
   return oracle;
@@ -168,13 +179,18 @@ std::vector<MutationOracle> walk_oracles(GlContext& context) {
       {S::spheres, paper_boxes},
       {S::mixed, compact, tree, 1, true},
       {S::triangles, paper_boxes, tree, 1, true},
+      {S::slats, compact, tree, 1, true},
+      {S::doubles, compact},
       {S::nested, compact},
       {S::nested, drift},
+      {S::doubles, with(Layout::paper, Bounds::sphere, Links::threaded)},
       {S::nested, paper},
       {S::nested, compact, tree, 1, true},
       {S::nested, drift, tree, 1, true},
       {S::nested, paper_drift, tree, 1, true},
       {S::nested, boxes, tree, 1, true},
+      {S::scales, compact, tree, 1, true},
+      {S::scales, drift, tree, 1, true},
       {S::mixed, compact, tree, 2},
       {S::spheres, compact, tree, 2, false, true},
       {S::nested, drift, tree, 2, false, true},

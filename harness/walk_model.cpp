@@ -27,7 +27,7 @@ struct Extent {
 
 class Walker {
  public:
-  explicit Walker(const GeometryImage& image) : image_(image) {}
+  Walker(const GeometryImage& image, bool any) : image_(image), any_(any) {}
 
   ModelWalk walk(const Ray& ray) {
     PLUMBLINE_ASSERT(image_.scale_exponent == 0);
@@ -69,7 +69,7 @@ class Walker {
       if (std::abs(line.d[a]) < 1e-6 * glm::length(line.d)) result_.is_clear = false;
     const auto copy = region_copy(image_, space, image_.copy_count > 1 ? octant : 0);
     PLUMBLINE_ASSERT(copy);
-    for (std::uint32_t cell = copy->begin; result_.is_clear;) {
+    for (std::uint32_t cell = copy->begin; result_.is_clear && !is_done_;) {
       if (cell == kNone) {
         if (is_compact(image_)) ++result_.steps;  // the end's texel
         return;
@@ -109,7 +109,7 @@ class Walker {
       ++result_.tests;
       const double t = p.is_triangle ? meet_triangle(p, line, draw) : meet_sphere(p, line, draw);
       const double t_draw = draw / glm::length(line.d);
-      if (t < kInfinity && less(t, best_, t_draw)) best_ = t;
+      if (t < kInfinity && less(t, best_, t_draw)) best_ = t, is_done_ = any_;
       if (p.label < 0.0f) return;
     }
   }
@@ -137,8 +137,11 @@ class Walker {
     };
     const double inside = std::min({beside(a, b), beside(b, c), beside(c, a)});
     if (inside < -4.0 * draw) return kInfinity;
-    // Seen edge-on, or near an edge: not for this model.
-    if (inside < 4.0 * draw || std::abs(facing) < 0x1p-6 * glm::length(n)) result_.is_clear = false;
+    // Seen edge-on, or near an edge: not for this model. The shader's measure is the projected area over the square of
+    // the farthest projected corner, along an axis that shortens neither by more than sqrt(3).
+    const auto from_line = [&](const glm::dvec3& p2) { return glm::length(glm::cross(p2, line.d / speed)); };
+    const double farthest = std::max({from_line(a), from_line(b), from_line(c)});
+    if (inside < 4.0 * draw || std::abs(facing) < 0x1p-5 * farthest * farthest) result_.is_clear = false;
     const double t = glm::dot(a, n) / (facing * speed);
     return less(0.0, t, 64.0 * draw / speed) ? t : kInfinity;
   }
@@ -155,12 +158,13 @@ class Walker {
   }
 
   const GeometryImage& image_;
+  bool any_ = false, is_done_ = false;
   double best_ = 0.0;
   ModelWalk result_;
 };
 
 }  // namespace
 
-ModelWalk model_walk(const GeometryImage& image, const Ray& ray) { return Walker(image).walk(ray); }
+ModelWalk model_walk(const GeometryImage& image, const Ray& ray, bool any) { return Walker(image, any).walk(ray); }
 
 }  // namespace plumbline

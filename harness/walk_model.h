@@ -18,7 +18,8 @@ struct ModelWalk {
   bool is_clear = true;
 };
 
-/// Of a defined ray in a sound image whose units are the world's.
-ModelWalk model_walk(const GeometryImage& image, const Ray& ray);
+/// Of a defined ray in a sound image whose units are the world's. `any`: of a shadow ray, which ends at the first
+/// cluster in which something is hit. A clear ray meets no triangle that the shader may find to be seen edge-on.
+ModelWalk model_walk(const GeometryImage& image, const Ray& ray, bool any = false);
 
 }  // namespace plumbline
