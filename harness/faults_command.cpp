@@ -10,6 +10,7 @@
 #include "harness/faults.h"
 #include "harness/mutation.h"
 #include "harness/progress.h"
+#include "harness/run.h"
 #include "reports/files.h"
 
 namespace plumbline {
@@ -17,7 +18,7 @@ namespace {
 
 struct FaultsArguments {
   bool mutants = false, list = false;
-  std::string json;
+  std::string json, out;
   MutationOptions mutation;
 };
 
@@ -45,6 +46,16 @@ int run_mutation(const FaultsArguments& a) {
   progress.clear();
   std::fputs(run.costs.c_str(), stderr);
   std::fputs(mutation_text(run).c_str(), stdout);
+  if (!a.out.empty()) {
+    RunOptions report;
+    report.out = a.out;
+    report.seed = options.seed;
+    report.command = "./plumbline faults --mutants";
+    RunRecord record = begin_record(report);
+    record.cases = mutation_cases(run);
+    record.planned_cases = record.cases.size();
+    finish_run(record, report);
+  }
   if (!a.json.empty()) write_text(a.json, mutation_json(run));
   return is_passed(run) ? 0 : 1;
 }
@@ -70,6 +81,7 @@ void add_faults_command(CLI::App& app, Commands& commands) {
   CLI::Option* resume =
       sub->add_flag("--resume", m.resume, "Do not ask again what stands in the journal")->needs("--journal");
   sub->add_flag("--again", m.again, "... but what survived")->needs(resume);
+  sub->add_option("--out", a->out, "Folder for a report, a case for each shader file")->needs(mutants);
   sub->add_option("--json", a->json, "Write all results to this file too")->needs(mutants);
   commands.emplace_back(sub, [a] { return a->mutants ? run_mutation(*a) : seed_faults(); });
 }

@@ -150,12 +150,17 @@ Worker::Serve court_serve(const std::vector<Mutant>& mutants) {
 Worker::Serve keeper_serve(const std::vector<Mutant>& mutants) {
   return [&mutants, court = std::make_shared<std::unique_ptr<Worker>>()](const std::string& job,
                                                                          const JobProgress& progress) {
-    if (!*court) *court = std::make_unique<Worker>(court_serve(mutants));
     Worker::Death death;
+    const auto rehearsed = [&] {
+      *court = std::make_unique<Worker>(court_serve(mutants));
+      const auto costs = (*court)->ask(kRehearsal, 10.0 * kSilentSeconds, progress, death);
+      if (!costs) throw EnvironmentError("the oracles do not stand the sound shaders: the process " + death.how);
+      return *costs;
+    };
+    if (job == kRehearsal) return rehearsed();
+    if (!*court) rehearsed();
     if (const auto answer = (*court)->ask(job, kSilentSeconds, progress, death)) return *answer;
     court->reset();
-    if (job == kRehearsal)
-      throw EnvironmentError("the oracles do not stand the sound shaders: the process " + death.how);
     MutantResult r;
     r.outcome = MutantOutcome::killed;
     r.oracle = "watchdog", r.how = death.how, r.asked = 1;
@@ -320,15 +325,17 @@ MutationRun run_mutants(const MutationOptions& options) {
   }
   if (!open.empty()) run.costs = Trial(options, mutants, run.results, std::move(open)).run();
   const std::vector<EquivalentMutant> equivalent = read_equivalent_mutants(equivalent_mutants_file());
+  const std::vector<Mutant> all = all_mutants();
   for (const EquivalentMutant& e : equivalent) {
-    bool is_used = false, is_asked = false;
+    bool is_asked = false, is_seen = false;
     for (MutantResult& r : run.results) {
-      is_asked = is_asked || r.mutant.file == e.file;
-      if (!is_of(e, r.mutant) || r.outcome != MutantOutcome::survived) continue;
-      r.equivalent = e.reason;
-      is_used = true;
+      if (!is_of(e, r.mutant)) continue;
+      is_asked = true;
+      is_seen = is_seen || r.outcome != MutantOutcome::survived;
+      if (r.outcome == MutantOutcome::survived) r.equivalent = e.reason;
     }
-    if (is_asked && !is_used && options.sample == 0) run.stale.push_back(e);
+    const bool is_of_none = std::none_of(all.begin(), all.end(), [&](const Mutant& m) { return is_of(e, m); });
+    if (is_of_none || (is_asked && is_seen)) run.stale.push_back(e);
   }
   run.seconds = seconds_since(start);
   return run;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "harness/mutants.h"
+#include "reports/record.h"
 
 namespace plumbline {
 
@@ -68,5 +69,7 @@ bool is_passed(const MutationRun& run);
 /// Scores by file and feature, then every survivor with its line and why: for a terminal.
 std::string mutation_text(const MutationRun& run);
 std::string mutation_json(const MutationRun& run);
+/// A case for each shader file, `mutants.triangle`, with its score and a table of its survivors: for a report.
+std::vector<CaseRecord> mutation_cases(const MutationRun& run);
 
 }  // namespace plumbline

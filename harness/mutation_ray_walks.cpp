@@ -106,20 +106,23 @@ MutationOracle oracle_of(GlContext& context, const Asked& a) {
   oracle.programs = lines_of(*image, a);
   if (a.alike) {
     auto alike = std::make_shared<std::vector<Ray>>();
-    auto steps = std::make_shared<std::vector<std::uint32_t>>();
+    auto models = std::make_shared<std::vector<ModelWalk>>();
     for (const Ray& ray : stage.plain.rays) {
       if (!is_defined(ray)) continue;
       const ModelWalk model = model_walk(*image, ray, a.query == RayQuery::any);
       if (!model.is_clear) continue;
       alike->insert(alike->end(), static_cast<std::size_t>(a.bundle), ray);
-      steps->insert(steps->end(), static_cast<std::size_t>(a.bundle), model.steps);
+      models->insert(models->end(), static_cast<std::size_t>(a.bundle), model);
     }
-    oracle.ask = [&context, image, a, alike, steps](const Mutant&) -> std::string {
+    oracle.ask = [&context, image, a, alike, models](const Mutant&) -> std::string {
       const std::vector<Hit> hits = walked(context, *image, a, *alike);
-      for (std::size_t i = 0; i < hits.size(); ++i)
-        if (hits[i].steps != (*steps)[i])
-          return "ray " + std::to_string(i) + " has " + std::to_string(hits[i].steps) + " steps, not " +
-                 std::to_string((*steps)[i]);
+      for (std::size_t i = 0; i < hits.size(); ++i) {
+        const std::uint32_t steps = (*models)[i].steps, tests = a.bundle == 1 ? (*models)[i].tests : 0;
+        if (hits[i].steps != steps || hits[i].primitive_tests != tests)
+          return "ray " + std::to_string(i) + " has " + std::to_string(hits[i].steps) + " steps and " +
+                 std::to_string(hits[i].primitive_tests) + " tests, not " + std::to_string(steps) + " and " +
+                 std::to_string(tests);
+      }
       return {};
     };
     return oracle;
@@ -154,16 +157,27 @@ std::vector<MutationOracle> ray_walk_oracles(GlContext& context) {
                     drift = with(Layout::compact, Bounds::sphere, TransformOut::inverse);
   const RayQuery nearest = RayQuery::nearest, any = RayQuery::any;
   std::vector<MutationOracle> oracles;
-  for (const Asked& a : {Asked{S::mixed, compact, 1, nearest},   Asked{S::mixed, compact, 1, any},
-                         Asked{S::mixed, paper, 1, any},         Asked{S::nested, compact, 1, nearest},
-                         Asked{S::nested, compact, 1, any},      Asked{S::nested, paper, 1, any},
-                         Asked{S::nested, drift, 1, nearest},    Asked{S::mixed, compact, 2, nearest},
-                         Asked{S::mixed, compact, 2, any},       Asked{S::mixed, compact, 3, nearest},
-                         Asked{S::mixed, compact, 4, nearest},   Asked{S::mixed, compact, 4, any},
-                         Asked{S::nested, compact, 2, nearest},  Asked{S::nested, compact, 2, any},
-                         Asked{S::nested, compact, 4, nearest},  Asked{S::nested, compact, 3, any},
-                         Asked{S::mixed, compact, 1, any, true}, Asked{S::mixed, paper, 1, any, true},
-                         Asked{S::mixed, compact, 2, any, true}, Asked{S::nested, compact, 4, any, true}})
+  for (const Asked& a : {Asked{S::mixed, compact, 1, nearest},
+                         Asked{S::mixed, compact, 1, any},
+                         Asked{S::mixed, paper, 1, any},
+                         Asked{S::nested, compact, 1, nearest},
+                         Asked{S::nested, compact, 1, any},
+                         Asked{S::nested, paper, 1, any},
+                         Asked{S::nested, drift, 1, nearest},
+                         Asked{S::mixed, compact, 2, nearest},
+                         Asked{S::mixed, compact, 2, any},
+                         Asked{S::mixed, compact, 3, nearest},
+                         Asked{S::mixed, compact, 4, nearest},
+                         Asked{S::mixed, compact, 4, any},
+                         Asked{S::nested, compact, 2, nearest},
+                         Asked{S::nested, compact, 2, any},
+                         Asked{S::nested, compact, 4, nearest},
+                         Asked{S::nested, compact, 3, any},
+                         Asked{S::mixed, compact, 1, any, true},
+                         Asked{S::mixed, paper, 1, any, true},
+                         Asked{S::mixed, compact, 2, any, true},
+                         Asked{S::nested, compact, 4, any, true},
+                         Asked{S::mixed, compact, 3, nearest, true}})
     oracles.push_back(oracle_of(context, a));
   return oracles;
 }

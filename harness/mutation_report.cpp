@@ -128,4 +128,37 @@ std::string mutation_json(const MutationRun& run) {
   return json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
+std::vector<CaseRecord> mutation_cases(const MutationRun& run) {
+  std::map<std::string, CaseRecord> cases;
+  const auto files = scores(run, true);
+  for (const auto& [file, score] : files) {
+    if (file.empty()) continue;
+    CaseRecord& c = cases[file];
+    c.name = "mutants." + file.substr(0, file.find(".glsl"));
+    std::replace(c.name.begin() + 8, c.name.end(), '.', '_');
+    c.feature = feature_of(file);
+    c.proves = "Every operator, constant and swizzle of " + file + " matters, and its change is seen.";
+    c.replay = "./plumbline faults --mutants " + file;
+    c.seconds = score.seconds;
+    c.status = score.survived > 0 ? CaseStatus::failed : CaseStatus::passed;
+    c.message = std::to_string(score.killed) + " of " + std::to_string(score.compiled()) + " mutants killed, " +
+                std::to_string(score.equivalent) + " equivalent, " + std::to_string(score.survived) + " survived";
+    const double share_killed = score.compiled() > 0 ? 1.0 * score.killed / score.compiled() : 0.0;
+    c.figures.push_back({"mutation score", "share", share_killed, 0, 0, 0});
+    c.figures.push_back({"mutants that do not compile", "", static_cast<double>(score.stillborn), 0, 0, 0});
+  }
+  for (const MutantResult& r : run.results) {
+    if (r.outcome != MutantOutcome::survived) continue;
+    CaseRecord& c = cases[r.mutant.file];
+    if (c.tables.empty())
+      c.tables.push_back({"Survivors", {"line", "column", "change", "text", "why no answer changes"}, {}});
+    c.tables.front().rows.push_back({std::to_string(r.mutant.line), std::to_string(r.mutant.column),
+                                     r.mutant.before + " to " + (r.mutant.after.empty() ? "nothing" : r.mutant.after),
+                                     r.mutant.line_text, r.equivalent.empty() ? "not known" : r.equivalent});
+  }
+  std::vector<CaseRecord> all;
+  for (auto& [file, record] : cases) all.push_back(std::move(record));
+  return all;
+}
+
 }  // namespace plumbline

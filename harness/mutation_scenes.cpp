@@ -51,7 +51,7 @@ Scene strewn(std::uint32_t triangles, std::uint32_t spheres) {
 
 /// What stands in the world stands there twice, and in two instances at the same place as well; two more are at
 /// another place, and two are nested.
-Scene doubles() {
+Scene doubles(bool has_nodes) {
   Scene scene;
   scene.materials.resize(1);
   Random random(kSeed, name_hash("doubles"), 0);
@@ -63,7 +63,7 @@ Scene doubles() {
         {at + 0.6f * cube_point(random), at + 0.6f * cube_point(random), at + 0.6f * cube_point(random)});
   }
   for (int i = 0; i < 3; ++i) spheres.push_back({cube_point(random), 0.25f, 0});
-  for (int space = 0; space < 2; ++space) {
+  for (int space = 0; space < (has_nodes ? 2 : 1); ++space) {
     Part part{"twice", static_cast<std::uint32_t>(scene.triangles.size()), 0,
               static_cast<std::uint32_t>(scene.spheres.size()), 0};
     for (int twice = 0; twice < 2; ++twice) {
@@ -81,6 +81,10 @@ Scene doubles() {
   aside.translation = {2.5f, 0.5f, -0.5f};
   turned.linear = glm::mat3(0.6f, 0.8f, 0.0f, -0.8f, 0.6f, 0.0f, 0.0f, 0.1f, -0.7f);
   turned.translation = {-2.5f, 0.25f, 1.0f};
+  if (!has_nodes) {
+    frame_camera(scene);
+    return scene;
+  }
   node("here", kNone, 0, {});
   node("here again", kNone, 0, {});
   node("aside", kNone, 0, aside);
@@ -130,7 +134,9 @@ Scene made(MutationScene scene) {
     case MutationScene::spheres_placed:
       return load_scene("ellipsoids");
     case MutationScene::doubles:
-      return doubles();
+      return doubles(true);
+    case MutationScene::twins:
+      return doubles(false);
     case MutationScene::slats:
       return slats();
     case MutationScene::scales:
@@ -169,8 +175,8 @@ void know(GlContext& context, const Stage& stage, MutationRays& rays) {
 }  // namespace
 
 const char* name_of(MutationScene scene) {
-  static constexpr std::array<const char*, 8> kNames{"mixed",          "spheres", "triangles", "nested",
-                                                     "spheres_placed", "doubles", "slats",     "scales"};
+  static constexpr std::array<const char*, 9> kNames{"mixed",   "spheres", "triangles", "nested", "spheres_placed",
+                                                     "doubles", "twins",   "slats",     "scales"};
   return kNames[static_cast<std::size_t>(scene)];
 }
 
@@ -185,7 +191,7 @@ const MutationStage& mutation_stage(GlContext& context, MutationScene scene) {
   Probe probe(context, stage.image);
   sort_out(probe, scene == MutationScene::slats ? rays_of_slats() : mixed_rays(stage.rays, kSeed, kRaysOfFamily), plain,
            rare);
-  PLUMBLINE_ASSERT(!rare.empty() || scene == MutationScene::doubles);
+  PLUMBLINE_ASSERT(!rare.empty());
   made_stage->plain.rays = plain;
   // Rare rays have ordinary ones for neighbours.
   for (std::size_t i = 0; i < plain.size(); i += 4)

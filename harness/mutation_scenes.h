@@ -17,6 +17,7 @@ enum class MutationScene {
   nested,          ///< the shipped scene of instances in instances
   spheres_placed,  ///< instances of spheres alone
   doubles,         ///< everything is there twice or more, in the world and in instances
+  twins,           ///< the same without instances
   slats,           ///< triangles that all of the rays see edge-on
   scales,          ///< the shipped scene of instances of very different sizes
 };

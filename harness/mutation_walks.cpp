@@ -57,10 +57,9 @@ std::string name_of(const Program& p) {
 }
 
 /// The first ray that does not walk as the model does.
-std::string first_detour(const std::vector<ModelWalk>& model, const std::vector<Hit>& hits) {
+std::string first_detour(const std::vector<ModelWalk>& model, const std::vector<Hit>& hits, bool is_alone) {
   for (std::size_t i = 0; i < hits.size(); ++i) {
     const Hit& hit = hits[i];
-    // A ray that had to walk alone is counted otherwise.
     if (!model[i].is_clear || hit.kind == HitKind::undefined) continue;
     const auto compare = [&](std::uint32_t got, std::uint32_t wanted, const char* what) {
       return got == wanted ? std::string()
@@ -68,9 +67,10 @@ std::string first_detour(const std::vector<ModelWalk>& model, const std::vector<
                                  std::to_string(wanted);
     };
     if (std::string e = compare(hit.steps, model[i].steps, "steps"); !e.empty()) return e;
-    if (hit.primitive_tests == 0 && hit.transforms == 0) continue;  // of bundles
-    if (std::string e = compare(hit.primitive_tests, model[i].tests, "primitive tests"); !e.empty()) return e;
-    if (std::string e = compare(hit.transforms, model[i].transforms, "transforms"); !e.empty()) return e;
+    // Of bundles these are not counted.
+    if (std::string e = compare(hit.primitive_tests, is_alone ? model[i].tests : 0, "primitive tests"); !e.empty())
+      return e;
+    if (std::string e = compare(hit.transforms, is_alone ? model[i].transforms : 0, "transforms"); !e.empty()) return e;
   }
   return {};
 }
@@ -137,7 +137,7 @@ MutationOracle oracle_of(GlContext& context, const Program& p) {
     }
     std::vector<Hit> hits = p.alike ? traced_alike(probe, rays.rays, p.bundle) : traced(probe, rays.rays);
     if (!model.empty())
-      if (const std::string what = first_detour(model, hits); !what.empty()) return what;
+      if (const std::string what = first_detour(model, hits, p.bundle == 1); !what.empty()) return what;
     if (drifts && p.bundle > 1) {
       // Bundles do not count what bounds of rays that drift hang on.
       if (is_of_bundles_alone(mutant.file))
@@ -147,7 +147,7 @@ MutationOracle oracle_of(GlContext& context, const Program& p) {
       const std::vector<Hit>& known = p.options.layout == Layout::compact ? rays.brute_paper : rays.brute_compact;
       if (const std::string what = first_difference(rays, hits, known); !what.empty()) return what;
     }
-    if (p.scene == MutationScene::doubles)
+    if (p.scene == MutationScene::doubles || p.scene == MutationScene::twins)
       if (const std::string what = first_wrong_tie(stage.stage.scene, rays.rays, hits); !what.empty()) return what;
     return first_failure(stage.stage.judge_of(p.options.transform_out), rays, hits);
   };
@@ -180,6 +180,7 @@ std::vector<MutationOracle> walk_oracles(GlContext& context) {
       {S::mixed, compact, tree, 1, true},
       {S::triangles, paper_boxes, tree, 1, true},
       {S::slats, compact, tree, 1, true},
+      {S::twins, compact},
       {S::doubles, compact},
       {S::nested, compact},
       {S::nested, drift},
