@@ -37,10 +37,12 @@ std::vector<ActiveLines> lines_of(const GeometryImage& image, const Asked& a) {
     ProgramVariant bundled = variant;
     bundled.bundle = a.bundle;
     all.push_back(active_lines(probe_fragment_shader(bundled)));
+    const bool is_any = a.query == RayQuery::any;
     ProgramVariant finish = variant;
     finish.finish = true, finish.found_bundle = a.bundle;
-    all.push_back(active_lines(a.bundle == kBundleWithResults ? spread_shader(variant.has_transforms)
-                                                              : probe_fragment_shader(finish)));
+    all.push_back(active_lines(is_any || a.bundle == kBundleWithResults
+                                   ? spread_shader(a.bundle, is_any, variant.has_transforms)
+                                   : probe_fragment_shader(finish)));
   } else {
     all.push_back(active_lines(probe_fragment_shader(variant)));
   }
