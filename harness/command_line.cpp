@@ -16,7 +16,6 @@
 #include "harness/catalogue.h"
 #include "harness/checked_pictures.h"
 #include "harness/commands.h"
-#include "harness/faults.h"
 #include "harness/help.h"
 #include "harness/hit_cases.h"
 #include "harness/progress.h"
@@ -229,22 +228,6 @@ int bench(const Arguments& a) {
   return 0;
 }
 
-int faults() {
-  Progress progress;
-  const std::vector<FaultResult> results =
-      run_faults(1, [&](double share, const std::string& what) { progress.show(share, what); });
-  progress.clear();
-  bool all = true;
-  for (const FaultResult& r : results) {
-    std::printf("%-28s %-8s %s\n", r.name.c_str(), r.caught_by.empty() ? "MISSED" : "caught",
-                r.caught_by.empty() ? r.what.c_str() : r.caught_by.c_str());
-    if (r.layer != Layer::none)
-      std::printf("%-28s %-8s layer %s: %s\n", "", "", std::string(name_of(r.layer)).c_str(), r.sentence.c_str());
-    all = all && !r.caught_by.empty();
-  }
-  return all ? 0 : 1;
-}
-
 int dispatch(int argc, char** argv) {
   Arguments a;
   CLI::App app{
@@ -309,6 +292,7 @@ int dispatch(int argc, char** argv) {
   add_render_command(app, commands);
   add_statistics_command(app, commands);
   add_history_commands(app, commands);
+  add_faults_command(app, commands);
   add_help_commands(app, commands);
   add_list_command(app, commands, [] { return whole_catalogue(0, 0); });
 
@@ -319,10 +303,6 @@ int dispatch(int argc, char** argv) {
       ->capture_default_str();
   bench_sub->add_flag("--quick", a.quick, "Leave out the variants and the scene of a million triangles");
   bench_sub->add_flag("--paper", a.paper, "The paper's Figures 4 and 6 instead: rays that walk together, as ratios");
-
-  commands.emplace_back(
-      app.add_subcommand("faults", "Break the tracer on purpose, one fault at a time, and name what catches it"),
-      faults);
 
   add_examples(app);
   try {

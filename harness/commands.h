@@ -28,6 +28,7 @@ void add_inspect_command(CLI::App& app, Commands& commands);
 void add_render_command(CLI::App& app, Commands& commands);
 void add_statistics_command(CLI::App& app, Commands& commands);
 void add_history_commands(CLI::App& app, Commands& commands);
+void add_faults_command(CLI::App& app, Commands& commands);
 /// `all` makes what is listed.
 void add_list_command(CLI::App& app, Commands& commands, std::function<CatalogueOptions()> all);
 

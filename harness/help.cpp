@@ -48,7 +48,9 @@ const std::map<std::string, Examples>& all_examples() {
         {"plumbline report --diff yesterday out", "what changed; 1 if a case fails newly"}}},
       {"merge", {{"plumbline merge part1 part2 part3 part4 --out out", "one run of four shards"}}},
       {"bench", {{"plumbline bench --quick --json bench.json", "speed against Embree"}}},
-      {"faults", {{"plumbline faults", "what catches each fault on purpose"}}},
+      {"faults",
+       {{"plumbline faults", "what catches each fault on purpose"},
+        {"plumbline faults --mutants triangle.glsl", "every operator, constant and swizzle of a shader changed"}}},
       {"completion", {{"plumbline completion > ~/.local/share/bash-completion/completions/plumbline", "for bash"}}},
       {"manual", {{"plumbline manual > plumbline.1", "then: man ./plumbline.1"}}},
   };

@@ -39,7 +39,7 @@ void compare_picture(Session& session, const std::string& spec, const Scene& sce
   asked.frames = settings.frames;
   asked.seed = settings.seed;
   asked.patches = settings.patches;
-  Renderer renderer(session.context(), scene, asked);
+  Renderer renderer(settings.context != nullptr ? *settings.context : session.context(), scene, asked);
   Scene seen = scene;
   seen.camera.width = settings.width, seen.camera.height = settings.height;
   const auto compare = [&](const Stage& stage, std::uint32_t first, std::uint32_t frames) {

@@ -26,6 +26,7 @@ struct PairedSettings {
   std::uint32_t frames = 1;
   std::uint64_t seed = 1;
   std::vector<ShaderPatch> patches;  ///< faults on purpose
+  GlContext* context = nullptr;      ///< that the tracer renders in; null: the session's
 };
 
 /// Renders `scene`, which is that of the stage but for lights, camera and effects, and compares every sample. Adds to

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <utility>
 
 #include "scenes/error.h"
 
@@ -24,6 +25,7 @@ struct GlContext::Impl {
   GlFunctions functions;
   std::string renderer, version;
   int max_texture_size = 0, max_buffer_texels = 0;
+  std::vector<ShaderPatch> patches;
 
   ~Impl() {
     if (context != nullptr) OSMesaDestroyContext(context);
@@ -90,6 +92,9 @@ const std::string& GlContext::renderer() const { return impl_->renderer; }
 const std::string& GlContext::version() const { return impl_->version; }
 int GlContext::max_texture_size() const { return impl_->max_texture_size; }
 int GlContext::max_buffer_texels() const { return impl_->max_buffer_texels; }
+
+void GlContext::set_patches(std::vector<ShaderPatch> patches) { impl_->patches = std::move(patches); }
+const std::vector<ShaderPatch>& GlContext::patches() const { return impl_->patches; }
 
 void GlContext::check(const char* doing) {
   const GLenum error = use().GetError();

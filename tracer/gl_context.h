@@ -7,6 +7,9 @@
 
 #include <memory>
 #include <string>
+#include <vector>
+
+#include "tracer/shader_patch.h"
 
 /// Every GL function that this project calls: X(member of GlFunctions, type). Add a line to use another.
 #define PLUMBLINE_GL_FUNCTIONS(X)                            \
@@ -94,6 +97,10 @@ class GlContext {
   const std::string& version() const;   ///< GL_VERSION, "4.5 (Core Profile) Mesa 22.3.6"
   int max_texture_size() const;         ///< texels per side
   int max_buffer_texels() const;        ///< of a buffer texture
+
+  /// Changes to shader files that every program linked from now on has where it contains the file: faults on purpose.
+  void set_patches(std::vector<ShaderPatch> patches);
+  const std::vector<ShaderPatch>& patches() const;
 
   /// Throws EnvironmentError naming `doing` if the driver has recorded an error since the last call.
   void check(const char* doing);

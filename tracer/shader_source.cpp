@@ -26,18 +26,36 @@ std::string_view shader_file(std::string_view name) {
   throw InputError("there is no shader file tracer/shaders/" + std::string(name));
 }
 
+/// Where a patch's text begins in that of its file.
+std::size_t place_of(const ShaderPatch& patch, std::string_view text) {
+  const bool is_placed = patch.at != ShaderPatch::kAnywhere;
+  const std::size_t at = is_placed ? patch.at : text.find(patch.find);
+  const bool is_found = !patch.find.empty() && at <= text.size() && text.substr(at, patch.find.size()) == patch.find;
+  if (!is_found || (!is_placed && text.find(patch.find, at + 1) != std::string_view::npos))
+    throw InputError("a shader patch must find its text " + std::string(is_placed ? "in its place" : "exactly once") +
+                     " in tracer/shaders/" + patch.file + ": " + patch.find);
+  return at;
+}
+
 std::string patched(std::string_view name, std::span<const ShaderPatch> patches) {
   std::string text(shader_file(name));
-  for (const ShaderPatch& patch : patches) {
-    if (patch.file != name) continue;
-    const std::size_t at = text.find(patch.find);
-    if (patch.find.empty() || at == std::string::npos || text.find(patch.find, at + 1) != std::string::npos) {
-      throw InputError("a shader patch must find its text exactly once in tracer/shaders/" + patch.file + ": " +
-                       patch.find);
-    }
-    text.replace(at, patch.find.size(), patch.replace);
-  }
+  for (const ShaderPatch& patch : patches)
+    if (patch.file == name) text.replace(place_of(patch, text), patch.find.size(), patch.replace);
   return text;
+}
+
+/// A composed shader with the context's patches.
+ShaderText patched(ShaderText shader, std::span<const ShaderPatch> patches) {
+  for (const ShaderPatch& patch : patches)
+    for (std::size_t i = 0; i < shader.files.size(); ++i) {
+      if (shader.files[i] != patch.file) continue;
+      const std::size_t end = i + 1 < shader.files.size() ? shader.starts[i + 1] : shader.text.size();
+      const std::string_view file = std::string_view(shader.text).substr(shader.starts[i], end - shader.starts[i]);
+      shader.text.replace(shader.starts[i] + place_of(patch, file), patch.find.size(), patch.replace);
+      for (std::size_t k = i + 1; k < shader.starts.size(); ++k)
+        shader.starts[k] += patch.replace.size() - patch.find.size();
+    }
+  return shader;
 }
 
 /// A float as GLSL text that reads back as the same value: all of ours are short powers of two or whole numbers.
@@ -114,6 +132,7 @@ ShaderText compose_shader(std::span<const std::string_view> files, std::span<con
     shader.files.emplace_back(file);
     // The directive names the number of the line that follows it.
     shader.text += "#line " + std::to_string(static_cast<int>(shader.files.size()) * kLinesPerFile + 1) + "\n";
+    shader.starts.push_back(shader.text.size());
     shader.text += patched(file, patches);
   }
   return shader;
@@ -154,10 +173,10 @@ std::string translate_log(const ShaderText& shader, const std::string& log) {
 
 GLuint link_program(GlContext& context, const ShaderText& vertex, const ShaderText& fragment) {
   const GlFunctions& gl = context.use();
-  const GLuint vertex_shader = compile(gl, GL_VERTEX_SHADER, vertex);
+  const GLuint vertex_shader = compile(gl, GL_VERTEX_SHADER, patched(vertex, context.patches()));
   GLuint fragment_shader = 0;
   try {
-    fragment_shader = compile(gl, GL_FRAGMENT_SHADER, fragment);
+    fragment_shader = compile(gl, GL_FRAGMENT_SHADER, patched(fragment, context.patches()));
   } catch (...) {
     gl.DeleteShader(vertex_shader);
     throw;

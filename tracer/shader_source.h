@@ -10,14 +10,9 @@
 
 #include "tracer/geometry_image.h"
 #include "tracer/gl_context.h"
+#include "tracer/shader_patch.h"
 
 namespace plumbline {
-
-/// A change to one shader file, for faults on purpose: `find` must stand in it exactly once.
-struct ShaderPatch {
-  std::string file;  ///< "triangle.glsl"
-  std::string find, replace;
-};
 
 /// A #define before the shader's own text; an empty value defines the bare name.
 using ShaderDefine = std::pair<std::string, std::string>;
@@ -27,7 +22,8 @@ enum class GlslDialect { glsl_330, es_300 };
 
 /// One shader composed of files. Lines are numbered so that compile errors can be told by file and line.
 struct ShaderText {
-  std::vector<std::string> files;  ///< in order, as under tracer/shaders/
+  std::vector<std::string> files;   ///< in order, as under tracer/shaders/
+  std::vector<std::size_t> starts;  ///< where in `text` each begins
   std::string text;
 };
 
@@ -41,7 +37,8 @@ std::vector<ShaderPatch> patches_for(const ShaderText& shader, std::span<const S
 /// A driver's message with its line numbers replaced by ours: "tracer/shaders/triangle.glsl:12: ...".
 std::string translate_log(const ShaderText& shader, const std::string& log);
 
-/// Compiles and links a program. Throws EnvironmentError with the translated messages.
+/// Compiles and links a program, with the context's patches. Throws EnvironmentError with the translated messages, and
+/// InputError for a patch that does not fit.
 GLuint link_program(GlContext& context, const ShaderText& vertex, const ShaderText& fragment);
 
 /// Which code a geometry image needs: the primitives in it decide too, since a driver may run both sides of every `if`.

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Scenes and rays that mutants are asked with, and what is known of them: small, since every mutant is asked anew.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "harness/session.h"
+#include "reference/embree.h"
+
+namespace plumbline {
+
+enum class MutationScene {
+  mixed,           ///< spheres, a closed mesh, large, tiny and sliver triangles
+  spheres,         ///< spheres alone
+  triangles,       ///< triangles alone
+  nested,          ///< the shipped scene of instances in instances
+  spheres_placed,  ///< instances of spheres alone
+  doubles,         ///< everything is there twice or more, in the world and in instances
+  twins,           ///< the same without instances
+  slats,           ///< triangles that all of the rays see edge-on
+  scales,          ///< the shipped scene of instances of very different sizes
+};
+const char* name_of(MutationScene scene);
+
+/// Rays and what is known of them without a mutant.
+struct MutationRays {
+  std::vector<Ray> rays;
+  std::vector<ReferenceHit> truth;              ///< Embree's
+  std::vector<Hit> brute_compact, brute_paper;  ///< loops over all primitives of the image of either layout
+};
+
+struct MutationStage {
+  explicit MutationStage(const std::string& name, Scene scene) : stage(name, std::move(scene)) {}
+  Stage stage;
+  MutationRays plain;  ///< whose walks end in the first pass
+  MutationRays rare;   ///< the others, and some of the plain ones between them
+};
+
+/// Made when it is first asked for, in a context without patches.
+const MutationStage& mutation_stage(GlContext& context, MutationScene scene);
+
+/// The first ray whose answer fails by its verdict: what is wrong with it. Empty where none does.
+std::string first_failure(const Judge& judge, const MutationRays& rays, const std::vector<Hit>& hits);
+/// The first ray that names a primitive although the same stands in the world, in an instance of a lower number, or has
+/// a lower number itself (SEMANTICS 5).
+std::string first_wrong_tie(const Scene& scene, const std::vector<Ray>& rays, const std::vector<Hit>& hits);
+/// The first ray whose answer is not `known`, bit for bit.
+std::string first_difference(const MutationRays& rays, const std::vector<Hit>& hits, const std::vector<Hit>& known);
+
+}  // namespace plumbline

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Mutation testing kills what it should, lets live what changes nothing, and tells which lines a program compiles.
+#include "harness/mutation.h"
+
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "harness/active_lines.h"
+#include "harness/mutation_oracles.h"
+#include "harness/walk_model.h"
+#include "scenes/error.h"
+#include "scenes/generate.h"
+#include "scenes/rays.h"
+#include "tracer/probe.h"
+
+namespace plumbline {
+namespace {
+
+ShaderText shader_of(const std::string& text) {
+  ShaderText shader;
+  shader.files = {"a.glsl"};
+  shader.starts = {0};
+  shader.text = text;
+  return shader;
+}
+
+/// The lines that are compiled, directives left out, one after the other.
+std::string compiled(const std::string& text) {
+  std::string kept;
+  const ActiveLines lines = active_lines(shader_of(text));
+  std::istringstream stream(text);
+  int number = 0;
+  for (std::string line; std::getline(stream, line);)
+    if (is_active(lines, "a.glsl", ++number) && !line.starts_with('#')) kept += line;
+  return kept;
+}
+
+/// What the oracle of that name says of a mutant.
+std::string verdict_of(std::vector<MutationOracle>& oracles, GlContext& context, const std::string& oracle,
+                       const std::string& mutant) {
+  for (const Mutant& m : all_mutants()) {
+    if (!name_of(m).starts_with(mutant)) continue;
+    for (const MutationOracle& o : oracles) {
+      if (o.name != oracle) continue;
+      CHECK(o.sees(m));
+      context.set_patches({patch_of(m)});
+      const std::string what = o.ask(m);
+      context.set_patches({});
+      return what;
+    }
+  }
+  throw std::runtime_error("there is no mutant " + mutant + ", or no oracle " + oracle);
+}
+
+}  // namespace
+
+TEST_CASE("lines that a program compiles are told by its conditions", "[mutation]") {
+  CHECK(compiled("a\n#ifdef X\nb\n#else\nc\n#endif\nd\n") == "acd");
+  CHECK(compiled("#define X\n#ifdef X\nb\n#else\nc\n#endif\n") == "b");
+  CHECK(compiled("#define N 3\n#if N > 2 && !defined(Y)\nb\n#elif N == 3\nc\n#endif\n") == "b");
+  CHECK(compiled("#define N 3\n#if N < 2\nb\n#elif N == 3\nc\n#else\nd\n#endif\n") == "c");
+  CHECK(compiled("#if 0\n#if 1\na\n#else\nb\n#endif\n#endif\nc\n") == "c");
+  CHECK(compiled("#if UNKNOWN\na\n#endif\n#if (1 || 0) && 2 >= 2\nb\n#endif\n") == "b");
+  CHECK_THROWS_AS(active_lines(shader_of("#if 1 +\n#endif\n")), InputError);
+  CHECK_THROWS_AS(active_lines(shader_of("#endif\n")), InputError);
+}
+
+TEST_CASE("a mutant is seen, and one that changes nothing is not", "[mutation]") {
+  GlContext context;
+  std::vector<MutationOracle> oracles = arithmetic_oracles(context);
+  for (const MutationOracle& oracle : oracles) CHECK(oracle.ask({}).empty());
+  // The rotation of a step of MD5; a value that both branches after it overwrite.
+  CHECK_FALSE(verdict_of(oracles, context, "random.digests", "random.glsl:35:85: - becomes +").empty());
+  CHECK(verdict_of(oracles, context, "sums", "accumulate.frag.glsl:50:21: 0.0 becomes 1.0").empty());
+}
+
+TEST_CASE("walks are re-enacted in C++, node by node", "[mutation]") {
+  const Scene scene = generate_scene("sphereflake", 2);
+  const RaySource source(scene);
+  std::vector<Ray> rays(512);
+  generate_rays(source, RayFamily::chords, 1, 0, rays);
+  GlContext context;
+  for (const Layout layout : {Layout::compact, Layout::paper})
+    for (const Bounds bounds : {Bounds::sphere, Bounds::aabb}) {
+      BakeOptions options;
+      options.layout = layout, options.bounds = bounds;
+      const GeometryImage image = bake(scene, options);
+      std::vector<Hit> hits(rays.size());
+      Probe(context, image).trace(rays, hits);
+      std::size_t clear = 0, wrong = 0;
+      for (std::size_t i = 0; i < rays.size(); ++i) {
+        const ModelWalk model = model_walk(image, rays[i]);
+        clear += model.is_clear;
+        wrong += model.is_clear && (model.steps != hits[i].steps || model.tests != hits[i].primitive_tests);
+      }
+      CHECK(clear > rays.size() / 2);
+      CHECK(wrong == 0);
+    }
+}
+
+TEST_CASE("the list of equivalent mutants is read whole or refused", "[mutation]") {
+  CHECK_FALSE(read_equivalent_mutants(equivalent_mutants_file()).empty());
+  const auto file = std::filesystem::temp_directory_path() / "plumbline_equivalent_test.json";
+  const auto refused = [&](const std::string& text) {
+    std::ofstream(file) << text;
+    CHECK_THROWS_AS(read_equivalent_mutants(file), InputError);
+  };
+  refused("{}");
+  refused(R"([{"file": "a.glsl", "line": "x"}])");
+  refused(R"([{"file": "a.glsl", "reason": "x"}])");
+  refused(R"([{"file": "a.glsl", "line": "x", "reason": "y", "why": "z"}])");
+  std::filesystem::remove(file);
+}
+
+}  // namespace plumbline

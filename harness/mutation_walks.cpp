@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Rays of all families through probes whose shader is a mutant. Each answer is judged by bounds and the arbiter, as in
+// any case; and where the mutated file is not part of a loop over all primitives of the other layout's image, it must
+// be that loop's, bit for bit.
+#include <array>
+#include <set>
+
+#include "harness/hit_cases.h"
+#include "harness/mutation_oracles.h"
+#include "harness/mutation_scenes.h"
+#include "harness/walk_model.h"
+#include "scenes/error.h"
+#include "scenes/generate.h"
+#include "tracer/probe.h"
+#include "tracer/shader_words.h"
+
+namespace plumbline {
+
+bool MutationOracle::sees(const Mutant& mutant) const {
+  for (const ActiveLines& program : programs)
+    if (is_active(program, mutant.file, mutant.line)) return true;
+  return false;
+}
+
+namespace {
+
+/// Files of the walk that a loop over all primitives of the other layout's image does without.
+bool is_of_walk_alone(const std::string& file) {
+  static const std::set<std::string> kFiles{"walk_compact.glsl", "walk_paper.glsl",    "bounds.glsl",
+                                            "bundle.glsl",       "bundle.frag.glsl",   "bundle_space.glsl",
+                                            "spread.frag.glsl",  "image_compact.glsl", "image_paper.glsl"};
+  return kFiles.contains(file);
+}
+
+/// Files that a ray that walks alone does without.
+bool is_of_bundles_alone(const std::string& file) { return file == "bundle.frag.glsl" || file == "bundle_space.glsl"; }
+
+struct Program {
+  MutationScene scene;
+  BakeOptions options;
+  Traversal traversal = Traversal::tree;
+  int bundle = 1;
+  bool rare = false;   ///< rays that go on in the thorough program
+  bool alike = false;  ///< each ray fills a bundle of its own, which walks as the ray does alone
+};
+
+std::string name_of(const Program& p) {
+  std::string name = std::string(name_of(p.scene)) + "." + name_of(p.options.layout) + "_" + name_of(p.options.bounds) +
+                     "_" + name_of(p.options.links);
+  if (p.scene == MutationScene::nested || p.scene == MutationScene::spheres_placed ||
+      p.scene == MutationScene::doubles || p.scene == MutationScene::scales)
+    name += std::string("_") + name_of(p.options.transform_out);
+  if (p.traversal == Traversal::brute_force) name += ".brute_force";
+  if (p.bundle > 1) name += ".bundles_of_" + std::to_string(p.bundle);
+  if (p.alike) name += ".alike";
+  return name + (p.rare ? ".rare" : "");
+}
+
+/// The first ray that does not walk as the model does.
+std::string first_detour(const std::vector<ModelWalk>& model, const std::vector<Hit>& hits, bool is_alone) {
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    const Hit& hit = hits[i];
+    if (!model[i].is_clear || hit.kind == HitKind::undefined) continue;
+    const auto compare = [&](std::uint32_t got, std::uint32_t wanted, const char* what) {
+      return got == wanted ? std::string()
+                           : "ray " + std::to_string(i) + " has " + std::to_string(got) + " " + what + ", not " +
+                                 std::to_string(wanted);
+    };
+    if (std::string e = compare(hit.steps, model[i].steps, "steps"); !e.empty()) return e;
+    // Of bundles these are not counted.
+    if (std::string e = compare(hit.primitive_tests, is_alone ? model[i].tests : 0, "primitive tests"); !e.empty())
+      return e;
+    if (std::string e = compare(hit.transforms, is_alone ? model[i].transforms : 0, "transforms"); !e.empty()) return e;
+  }
+  return {};
+}
+
+std::vector<ActiveLines> lines_of(const GeometryImage& image, const Program& p) {
+  std::vector<ActiveLines> all;
+  all.push_back(active_lines(probe_vertex_shader()));
+  ProgramVariant first = program_variant(image, p.traversal == Traversal::brute_force, false), then = first;
+  first.bundle = p.bundle;
+  all.push_back(active_lines(probe_fragment_shader(first)));
+  if (p.bundle > kBundleWithResults) {
+    then.finish = true;
+    all.push_back(active_lines(probe_fragment_shader(then)));
+    then.finish = false;
+  }
+  then.thorough = true;
+  if (p.rare) all.push_back(active_lines(probe_fragment_shader(then)));
+  return all;
+}
+
+std::vector<Hit> traced(Probe& probe, const std::vector<Ray>& rays) {
+  std::vector<Hit> hits(rays.size());
+  probe.trace(rays, hits);
+  return hits;
+}
+
+/// Every ray `size` times, side by side; the last of its answers.
+std::vector<Hit> traced_alike(Probe& probe, const std::vector<Ray>& rays, int size) {
+  std::vector<Ray> many;
+  for (const Ray& ray : rays) many.insert(many.end(), static_cast<std::size_t>(size), ray);
+  const std::vector<Hit> hits = traced(probe, many);
+  std::vector<Hit> last;
+  for (std::size_t i = static_cast<std::size_t>(size) - 1; i < hits.size(); i += static_cast<std::size_t>(size))
+    last.push_back(hits[i]);
+  return last;
+}
+
+MutationOracle oracle_of(GlContext& context, const Program& p) {
+  const MutationStage& stage = mutation_stage(context, p.scene);
+  auto image = std::make_shared<const GeometryImage>(bake(stage.stage.scene, p.options));
+  MutationOracle oracle;
+  oracle.name = name_of(p);
+  oracle.programs = lines_of(*image, p);
+  const MutationRays& rays = p.rare ? stage.rare : stage.plain;
+  const bool drifts = p.options.transform_out == TransformOut::inverse;
+  auto alone = std::make_shared<std::vector<Hit>>();
+  if (p.bundle > 1 && drifts) {
+    alone->resize(rays.rays.size());
+    Probe(context, *image).trace(rays.rays, *alone);
+  }
+  std::vector<ModelWalk> model;
+  if (p.traversal == Traversal::tree && !p.rare && (p.bundle == 1 || p.alike))
+    for (const Ray& ray : rays.rays)
+      model.push_back(is_defined(ray) ? model_walk(*image, ray) : ModelWalk{0, 0, 0, false});
+  std::vector<Ray> clear;  // rays that end in the first pass, whoever walks with them
+  for (std::size_t i = 0; i < model.size() && !drifts; ++i)
+    if (model[i].is_clear) clear.push_back(rays.rays[i]);
+  oracle.ask = [&context, &stage, &rays, image, p, drifts, alone, model, clear](const Mutant& mutant) {
+    Probe probe = p.bundle > 1 ? Probe(context, *image, BundleSize{p.bundle}) : Probe(context, *image, p.traversal);
+    if (!clear.empty()) {
+      std::vector<Hit> ended(clear.size());
+      probe.trace(clear, ended);
+      if (probe.resumed_passes() > 0) return std::string("rays need another pass, though no triangle is seen edge-on");
+    }
+    std::vector<Hit> hits = p.alike ? traced_alike(probe, rays.rays, p.bundle) : traced(probe, rays.rays);
+    if (!model.empty())
+      if (const std::string what = first_detour(model, hits, p.bundle == 1); !what.empty()) return what;
+    if (drifts && p.bundle > 1) {
+      // Bundles do not count what bounds of rays that drift hang on.
+      if (is_of_bundles_alone(mutant.file))
+        if (const std::string what = first_difference(rays, hits, *alone); !what.empty()) return what;
+      for (std::size_t i = 0; i < hits.size(); ++i) hits[i].transforms = (*alone)[i].transforms;
+    } else if (is_of_walk_alone(mutant.file) && !drifts) {
+      const std::vector<Hit>& known = p.options.layout == Layout::compact ? rays.brute_paper : rays.brute_compact;
+      if (const std::string what = first_difference(rays, hits, known); !what.empty()) return what;
+    }
+    if (p.scene == MutationScene::doubles || p.scene == MutationScene::twins)
+      if (const std::string what = first_wrong_tie(stage.stage.scene, rays.rays, hits); !what.empty()) return what;
+    return first_failure(stage.stage.judge_of(p.options.transform_out), rays, hits);
+  };
+  return oracle;
+}
+
+}  // namespace
+
+std::vector<MutationOracle> walk_oracles(GlContext& context) {
+  using S = MutationScene;
+  const auto with = [](Layout layout, Bounds bounds, Links links, TransformOut out = TransformOut::restore) {
+    BakeOptions options;
+    options.layout = layout, options.bounds = bounds, options.links = links, options.transform_out = out;
+    options.width = 32;  // so that even small images have many rows
+    return options;
+  };
+  const BakeOptions compact = with(Layout::compact, Bounds::sphere, Links::octant),
+                    boxes = with(Layout::compact, Bounds::aabb, Links::threaded),
+                    paper = with(Layout::paper, Bounds::sphere, Links::octant),
+                    paper_boxes = with(Layout::paper, Bounds::aabb, Links::threaded),
+                    drift = with(Layout::compact, Bounds::sphere, Links::octant, TransformOut::inverse),
+                    paper_drift = with(Layout::paper, Bounds::aabb, Links::octant, TransformOut::inverse);
+  const Traversal tree = Traversal::tree;
+  std::vector<Program> programs{
+      {S::spheres, compact},
+      {S::mixed, compact},
+      {S::triangles, boxes},
+      {S::mixed, paper},
+      {S::spheres, paper_boxes},
+      {S::mixed, compact, tree, 1, true},
+      {S::triangles, paper_boxes, tree, 1, true},
+      {S::slats, compact, tree, 1, true},
+      {S::twins, compact},
+      {S::doubles, compact},
+      {S::nested, compact},
+      {S::nested, drift},
+      {S::doubles, with(Layout::paper, Bounds::sphere, Links::threaded)},
+      {S::nested, paper},
+      {S::nested, compact, tree, 1, true},
+      {S::nested, drift, tree, 1, true},
+      {S::nested, paper_drift, tree, 1, true},
+      {S::nested, boxes, tree, 1, true},
+      {S::scales, compact, tree, 1, true},
+      {S::scales, drift, tree, 1, true},
+      {S::mixed, compact, tree, 2},
+      {S::spheres, compact, tree, 2, false, true},
+      {S::nested, drift, tree, 2, false, true},
+      {S::triangles, boxes, tree, 3, false, true},
+      {S::spheres, compact, tree, 2, true},
+      {S::mixed, boxes, tree, 2},
+      {S::mixed, compact, tree, 3, true},
+      {S::spheres, paper, tree, 4, true},
+      {S::nested, compact, tree, 2, true},
+      {S::nested, drift, tree, 2, true},
+      {S::nested, paper_drift, tree, 3, true},
+      {S::nested, paper, tree, 4, true},
+      {S::spheres_placed, drift, tree, 4},
+  };
+  std::vector<MutationOracle> oracles;
+  for (const Program& p : programs) oracles.push_back(oracle_of(context, p));
+  return oracles;
+}
+
+}  // namespace plumbline
