@@ -12,6 +12,7 @@
 #include "harness/progress.h"
 #include "harness/run.h"
 #include "reports/files.h"
+#include "tracer/gl_context.h"
 
 namespace plumbline {
 namespace {
@@ -54,6 +55,10 @@ int run_mutation(const FaultsArguments& a) {
     RunRecord record = begin_record(report);
     record.cases = mutation_cases(run);
     record.planned_cases = record.cases.size();
+    record.seconds = run.seconds;
+    const GlContext context;
+    record.driver_renderer = context.renderer();
+    record.driver_version = context.version();
     finish_run(record, report);
   }
   if (!a.json.empty()) write_text(a.json, mutation_json(run));
