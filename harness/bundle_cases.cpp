@@ -23,15 +23,10 @@ std::vector<Ray> bundled_rays(const RaySource& source, std::uint64_t seed, std::
 std::vector<Case> bundle_cases(const ListedScene& scene, std::uint64_t per_family) {
   std::vector<Case> cases;
   for (const int size : {2, 3, 4}) {
-    Case c;
-    c.feature = "bundles";
+    Case c = scene_case(
+        "bundles." + std::to_string(size) + "." + scene.name, "bundles", scene, "5",
+        "Rays that walk the tree together, alike or not, answer bit for bit as each does alone (parallel traversal).");
     c.variant = "bundle=" + std::to_string(size);
-    c.name = "bundles." + std::to_string(size) + "." + scene.name;
-    c.scene = scene.name;
-    c.spec = scene.spec;
-    c.paper = "5";
-    c.proves =
-        "Rays that walk the tree together, alike or not, answer bit for bit as each does alone (parallel traversal).";
     const std::size_t outs = scene.has_nodes ? 2 : 1;
     c.rays = outs * per_family * (ray_families().size() + 2);
     c.run = [per_family, size, outs](CaseContext& context, const Case& self, CaseRecord& record) {

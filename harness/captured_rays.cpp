@@ -128,16 +128,11 @@ CapturedRays capture_rays(GlContext& context, const Scene& scene, std::uint64_t 
 }
 
 Case captured_case(const ListedScene& scene, std::uint64_t rays) {
-  Case c;
-  c.name = "hits.captured." + scene.name;
-  c.feature = "hits";
-  c.scene = scene.name;
-  c.spec = scene.spec;
-  c.family = "captured";
-  c.paper = "7";
-  c.proves =
+  Case c = scene_case(
+      "hits.captured." + scene.name, "hits", scene, "7",
       "The renderer's own rays, tapped from a picture with all effects, hit what exact arithmetic says; shadow rays, "
-      "which end at any hit, are blocked just where there is a nearest one.";
+      "which end at any hit, are blocked just where there is a nearest one.");
+  c.family = "captured";
   c.rays = rays;
   c.run = run_captured;
   return c;

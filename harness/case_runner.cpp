@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "harness/clock.h"
 #include "reports/json.h"
@@ -28,18 +29,11 @@ constexpr const char* kAskDriver = "driver";
 
 }  // namespace
 
-/// A worker, and the job that it has.
-struct CaseRunner::Place {
-  std::unique_ptr<Worker> worker;
-  std::optional<CaseJob> job;
-  double share = 0.0;  ///< of it that is done
-  Clock::time_point start{};
-};
-
-CaseRunner::CaseRunner(const std::vector<Case>& cases, const RunOptions& options) : cases_(cases), options_(options) {
-  for (int i = 0; i < (options.isolate ? std::max(1, options.jobs) : 1); ++i)
-    places_.push_back(std::make_unique<Place>());
-}
+CaseRunner::CaseRunner(const std::vector<Case>& cases, const RunOptions& options)
+    : cases_(cases),
+      options_(options),
+      pool_(static_cast<std::size_t>(std::max(1, options.jobs)),
+            [this](const std::string& job, const JobProgress& progress) { return serve(job, progress); }) {}
 CaseRunner::~CaseRunner() = default;
 
 CaseRecord CaseRunner::run_here(std::size_t index, std::uint64_t seed, const JobProgress& progress) {
@@ -72,16 +66,18 @@ std::string CaseRunner::serve(const std::string& job, const JobProgress& progres
 CaseRunner::DriverName CaseRunner::driver() {
   std::string text;
   if (options_.isolate) {
-    std::unique_ptr<Worker>& worker = places_.front()->worker;
-    worker = std::make_unique<Worker>([this](const std::string& job, const JobProgress& p) { return serve(job, p); });
-    Worker::Death death;
-    const auto answer = worker->ask(
-        kAskDriver, options_.silent_seconds, [](double) {}, death);
-    if (!answer) {
-      worker.reset();
-      throw EnvironmentError("the GL driver cannot be started: its process " + death.how);
-    }
-    text = *answer;
+    bool is_asked = false;
+    const auto ask_once = [&](std::size_t) -> std::optional<WorkerPool::Job> {
+      if (std::exchange(is_asked, true)) return std::nullopt;
+      return WorkerPool::Job{kAskDriver, options_.silent_seconds};
+    };
+    pool_.run({ask_once, [](std::size_t, double) {},
+               [&](std::size_t, const WorkerPool::End& end) {
+                 if (end.is_dead) throw EnvironmentError("the GL driver cannot be started: its process " + end.failure);
+                 if (!end.failure.empty()) throw EnvironmentError(end.failure);
+                 text = end.answer;
+                 return true;
+               }});
   } else {
     text = serve(kAskDriver, [](double) {});
   }
@@ -89,41 +85,20 @@ CaseRunner::DriverName CaseRunner::driver() {
   return {text.substr(0, line), text.substr(line + 1)};
 }
 
-void CaseRunner::begin(Place& place, const CaseJob& job) {
-  place.job = job, place.share = 0.0, place.start = Clock::now();
-  if (!place.worker)
-    place.worker =
-        std::make_unique<Worker>([this](const std::string& text, const JobProgress& p) { return serve(text, p); });
-  place.worker->give(std::to_string(job.index) + " " + std::to_string(job.seed), options_.silent_seconds);
-}
-
-/// Takes what the worker has to tell; true where that ends the job.
-bool CaseRunner::has_ended(Place& place, const JobProgress& progress, CaseRecord& record) {
-  record = begun(cases_.at(place.job->index), place.job->seed, options_);
-  try {
-    std::string answer;
-    Worker::Death death;
-    switch (place.worker->news(progress, answer, death)) {
-      case Worker::News::none:
-      case Worker::News::alive:
-        return false;
-      case Worker::News::answer:
-        record = case_from_json(answer, record.name, 1);
-        break;
-      case Worker::News::death:
-        record.status = CaseStatus::error;
-        record.message = "the case " + death.how;
+CaseRecord CaseRunner::record_of(const CaseJob& job, const WorkerPool::End& end) const {
+  CaseRecord record = begun(cases_.at(job.index), job.seed, options_);
+  std::string failure = (end.is_dead ? "the case " : "") + end.failure;
+  if (end.failure.empty()) {
+    try {
+      return case_from_json(end.answer, record.name, 1);
+    } catch (const std::exception& error) {
+      failure = error.what();
     }
-  } catch (const std::exception& error) {
-    record.status = CaseStatus::error;
-    record.message = error.what();
   }
-  if (record.status == CaseStatus::error) {
-    place.worker.reset();
-    record.seconds = seconds_since(place.start);
-  }
-  place.job.reset();
-  return true;
+  record.status = CaseStatus::error;
+  record.message = failure;
+  record.seconds = end.seconds;
+  return record;
 }
 
 namespace {
@@ -161,45 +136,48 @@ void CaseRunner::run(const std::vector<CaseJob>& jobs, const JobEvents& events) 
     run_one_by_one(jobs, events);
     return;
   }
-  std::vector<bool> begun(jobs.size(), false);
-  std::vector<std::optional<std::size_t>> last(places_.size());
-  std::size_t left = jobs.size();
-  const auto tell = [&](const CaseJob& job) {
-    double done = static_cast<double>(jobs.size() - left);
-    for (const auto& place : places_)
-      if (place->job) done += place->share - 1.0;
-    events.progress(job, done / static_cast<double>(jobs.size()));
+  struct Place {
+    std::optional<std::size_t> position;  ///< of its job among all of them, or of the last one
+    bool is_busy = false;
+    double share = 0.0;  ///< of the job that is done
   };
-  for (;;) {
-    std::vector<Worker*> busy;
-    for (std::size_t k = 0; k < places_.size(); ++k) {
-      Place& place = *places_[k];
-      while (!place.job && left > 0) {
-        std::set<std::string> scenes_of_others;
-        for (const auto& other : places_)
-          if (other->job) scenes_of_others.insert(cases_[other->job->index].scene);
-        const std::size_t position = job_for(jobs, cases_, begun, last[k], scenes_of_others);
-        begun[position] = true, --left;
-        if (!events.may_begin(jobs[position])) continue;
-        last[k] = position;
-        begin(place, jobs[position]);
-        tell(jobs[position]);
-      }
-      if (place.job) busy.push_back(place.worker.get());
+  std::vector<Place> places(static_cast<std::size_t>(std::max(1, options_.jobs)));
+  std::vector<bool> begun(jobs.size(), false);
+  std::size_t left = jobs.size();
+  const auto tell = [&](std::size_t place) {
+    double done = static_cast<double>(jobs.size() - left);
+    for (const Place& p : places)
+      if (p.is_busy) done += p.share - 1.0;
+    events.progress(jobs[*places[place].position], done / static_cast<double>(jobs.size()));
+  };
+  const auto next = [&](std::size_t place) -> std::optional<WorkerPool::Job> {
+    while (left > 0) {
+      std::set<std::string> scenes_of_others;
+      for (const Place& other : places)
+        if (other.is_busy) scenes_of_others.insert(cases_[jobs[*other.position].index].scene);
+      const std::size_t position = job_for(jobs, cases_, begun, places[place].position, scenes_of_others);
+      begun[position] = true, --left;
+      const CaseJob& job = jobs[position];
+      if (!events.may_begin(job)) continue;
+      places[place] = {position, true, 0.0};
+      tell(place);
+      return WorkerPool::Job{std::to_string(job.index) + " " + std::to_string(job.seed), options_.silent_seconds};
     }
-    if (busy.empty()) return;
-    Worker::wait(busy);
-    for (const auto& place : places_) {
-      if (!place->job) continue;
-      const CaseJob job = *place->job;
-      const auto progress = [&](double share) {
-        place->share = share;
-        tell(job);
-      };
-      CaseRecord record;
-      if (has_ended(*place, progress, record)) events.ended(job, std::move(record));
-    }
-  }
+    return std::nullopt;
+  };
+  pool_.run({next,
+             [&](std::size_t place, double share) {
+               places[place].share = share;
+               tell(place);
+             },
+             [&](std::size_t place, const WorkerPool::End& end) {
+               places[place].is_busy = false;
+               const CaseJob& job = jobs[*places[place].position];
+               CaseRecord record = record_of(job, end);
+               const bool goes_on = record.status != CaseStatus::error;  // else the next case begins afresh
+               events.ended(job, std::move(record));
+               return goes_on;
+             }});
 }
 
 }  // namespace plumbline

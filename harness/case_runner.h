@@ -11,7 +11,7 @@
 
 #include "harness/catalogue.h"
 #include "harness/run.h"
-#include "harness/worker.h"
+#include "harness/worker_pool.h"
 
 namespace plumbline {
 
@@ -48,15 +48,13 @@ class CaseRunner {
   std::string serve(const std::string& job, const JobProgress& progress);
   CaseRecord run_here(std::size_t index, std::uint64_t seed, const JobProgress& progress);
 
-  struct Place;  ///< where one case runs at a time
   void run_one_by_one(const std::vector<CaseJob>& jobs, const JobEvents& events);
-  void begin(Place& place, const CaseJob& job);
-  bool has_ended(Place& place, const JobProgress& progress, CaseRecord& record);
+  CaseRecord record_of(const CaseJob& job, const WorkerPool::End& end) const;
 
   const std::vector<Case>& cases_;
   const RunOptions& options_;
   std::unique_ptr<Session> session_;  ///< of this process, where cases are not isolated, or of the worker
-  std::vector<std::unique_ptr<Place>> places_;
+  WorkerPool pool_;
 };
 
 }  // namespace plumbline

@@ -104,6 +104,15 @@ std::string axes_of(const Case& c) {
   return c.variant.empty() ? text : text + "; " + c.variant;
 }
 
+Case scene_case(const std::string& name, const std::string& feature, const ListedScene& scene, const std::string& paper,
+                const std::string& proves) {
+  Case c;
+  c.name = name, c.feature = feature;
+  c.scene = scene.name, c.spec = scene.spec;
+  c.paper = paper, c.proves = proves;
+  return c;
+}
+
 std::vector<Case> make_catalogue(const CatalogueOptions& options) {
   std::vector<Case> cases = driver_cases();
   const auto add = [&](std::vector<Case> more) {

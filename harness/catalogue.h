@@ -71,6 +71,10 @@ struct CatalogueOptions {
       40'000'000;  ///< primitive tests per scene in the brute-force layer, spread over all families
 };
 
+/// What every case about a scene says of itself. `paper`: the section that it holds to account, or empty.
+Case scene_case(const std::string& name, const std::string& feature, const ListedScene& scene, const std::string& paper,
+                const std::string& proves);
+
 /// Every case, in the order in which a run takes them: the driver first, then scene by scene.
 std::vector<Case> make_catalogue(const CatalogueOptions& options);
 

@@ -82,15 +82,10 @@ void run_checked_picture(CaseContext& context, const Case& self, CaseRecord& rec
 }  // namespace
 
 Case checked_picture_case(const ListedScene& scene, const CheckedPictures& settings) {
-  Case c;
-  c.name = "drt.picture." + scene.name;
-  c.feature = "combined";
-  c.scene = scene.name;
-  c.spec = scene.spec;
-  c.paper = "7";
-  c.proves =
+  Case c = scene_case(
+      "drt.picture." + scene.name, "combined", scene, "7",
       "A picture of the scene with all effects is the reference's: in every pixel, tile and the whole, in means and "
-      "variances. What effects need and the scene lacks is added.";
+      "variances. What effects need and the scene lacks is added.");
   c.run = [settings](CaseContext& context, const Case& self, CaseRecord& record) {
     run_checked_picture(context, self, record, settings);
   };

@@ -10,12 +10,8 @@
 namespace plumbline {
 namespace {
 
-struct DrtScene {
-  std::string name, spec;
-};
-
 /// The scene that shows an effect best.
-DrtScene scene_for(const std::string& effect) {
+ListedScene scene_for(const std::string& effect) {
   if (effect == "aa") return {"bumped_ground", "bumped_ground"};
   if (effect == "soft_shadow") return {"soft_shadow", "soft_shadow"};
   if (effect == "dof") return {"dof", "dof"};
@@ -24,8 +20,8 @@ DrtScene scene_for(const std::string& effect) {
 }
 
 /// Where effects meet.
-std::vector<DrtScene> scenes_for_all() {
-  std::vector<DrtScene> scenes{{"figure_1", "figure_1"}, {"sphereflake_3", "sphereflake:3"}};
+std::vector<ListedScene> scenes_for_all() {
+  std::vector<ListedScene> scenes{{"figure_1", "figure_1"}, {"sphereflake_3", "sphereflake:3"}};
   for (const ListedScene& scene : real_scenes())
     if (scene.name == "spot" || scene.name == "cornell_original") scenes.push_back({scene.name, scene.spec});
   return scenes;
@@ -38,22 +34,11 @@ std::string feature_of(const std::vector<std::string>& effects) {
   return effects.size() == 1 ? effects.front() : "combined";
 }
 
-Case named_case(const std::string& name, const std::string& feature, const DrtScene& scene, const std::string& proves) {
-  Case c;
-  c.name = name;
-  c.feature = feature;
-  c.scene = scene.name;
-  c.spec = scene.spec;
-  c.paper = "7";
-  c.proves = proves;
-  return c;
-}
-
-Case comparison_case(const std::string& name, const DrtScene& scene, const std::string& proves,
+Case comparison_case(const std::string& name, const ListedScene& scene, const std::string& proves,
                      const std::vector<std::string>& effects, Effects::Model model, const EngineUnderTest& engine,
                      Depth depth) {
   const bool bounces = name.find(".bounces.") != std::string::npos;
-  Case c = named_case(name, bounces ? "shading" : feature_of(effects), scene, proves);
+  Case c = scene_case(name, bounces ? "shading" : feature_of(effects), scene, "7", proves);
   c.run = [=](CaseContext& context, const Case& self, CaseRecord& record) {
     const Scene prepared = drt_scene(self.spec);
     const PictureComparison result =
@@ -64,9 +49,9 @@ Case comparison_case(const std::string& name, const DrtScene& scene, const std::
   return c;
 }
 
-Case convergence_case(const std::string& name, const DrtScene& scene, const std::vector<std::string>& effects,
+Case convergence_case(const std::string& name, const ListedScene& scene, const std::vector<std::string>& effects,
                       const EngineUnderTest& engine) {
-  Case c = named_case(name, feature_of(effects), scene,
+  Case c = scene_case(name, feature_of(effects), scene, "7",
                       "The error against a long reference falls as one over the number of samples.");
   c.run = [=](CaseContext& context, const Case& self, CaseRecord& record) {
     const Scene prepared = drt_scene(self.spec);
@@ -98,7 +83,7 @@ std::vector<Case> independent_cases(const EngineUnderTest& engine, const DrtOpti
   };
   std::vector<Case> cases;
   for (const std::string& effect : effect_names()) {
-    const DrtScene scene = scene_for(effect);
+    const ListedScene scene = scene_for(effect);
     for (const Effects::Model model : {Effects::Model::paper, Effects::Model::physical}) {
       // These two have one model.
       if (model == Effects::Model::physical && (effect == "aa" || effect == "motion_blur")) continue;
@@ -113,7 +98,7 @@ std::vector<Case> independent_cases(const EngineUnderTest& engine, const DrtOpti
   cases.push_back(comparison_case("drt.independent." + prefix + "bounces.mirrors.paper", {"mirrors", "mirrors"},
                                   "Light that comes by up to five bounces between mirrors is all there, and no more.",
                                   {"aa"}, Effects::Model::paper, engine, depth_of(64, 48, options.all_frames)));
-  for (const DrtScene& scene : scenes_for_all()) {
+  for (const ListedScene& scene : scenes_for_all()) {
     const std::vector<std::string>& effects = effect_names();
     for (std::size_t i = 0; i < effects.size(); ++i)
       for (std::size_t k = i + 1; k < effects.size(); ++k)
@@ -133,8 +118,8 @@ std::vector<Case> independent_cases(const EngineUnderTest& engine, const DrtOpti
 std::vector<Case> model_bias_cases() {
   std::vector<Case> cases;
   for (const char* effect : {"soft_shadow", "dof", "glossy"}) {
-    const DrtScene scene = scene_for(effect);
-    Case c = named_case("drt.model_bias." + std::string(effect) + "." + scene.name, effect, scene,
+    const ListedScene scene = scene_for(effect);
+    Case c = scene_case("drt.model_bias." + std::string(effect) + "." + scene.name, effect, scene, "7",
                         "How far the paper's cube is from disc and ball: told in figures, and no error.");
     c.run = [effects = std::vector<std::string>{effect}](CaseContext& context, const Case& self, CaseRecord& record) {
       const Scene prepared = drt_scene(self.spec);

@@ -2,10 +2,9 @@
 #include "harness/expected_failures.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "harness/catalogue.h"
-#include "reports/files.h"
+#include "harness/json_entries.h"
 #include "reports/summary.h"
 #include "scenes/error.h"
 
@@ -25,30 +24,13 @@ bool is_day(const std::string& text) {
 std::filesystem::path expected_failures_file() { return PLUMBLINE_EXPECTED_FAILURES; }
 
 std::vector<ExpectedFailure> read_expected_failures(const std::filesystem::path& file) {
-  const auto json = nlohmann::json::parse(read_text(file), nullptr, false);
-  const std::string name = file.string();
-  if (!json.is_array())
-    throw InputError(name + ": expected a JSON array of objects with the keys cases, reason and until");
   std::vector<ExpectedFailure> list;
-  for (std::size_t i = 0; i < json.size(); ++i) {
-    const auto refuse = [&](const std::string& why) {
-      throw InputError(name + ": entry " + std::to_string(i) + ": " + why);
-    };
-    if (!json[i].is_object()) refuse("expected an object");
-    ExpectedFailure& entry = list.emplace_back();
-    for (const auto& [key, value] : json[i].items()) {
-      std::string* field = key == "cases"    ? &entry.cases
-                           : key == "reason" ? &entry.reason
-                           : key == "until"  ? &entry.until
-                           : key == "driver" ? &entry.driver
-                                             : nullptr;
-      if (!field) refuse("there is no key \"" + key + "\"; keys are cases, reason, until, driver");
-      if (!value.is_string()) refuse("\"" + key + "\" is text");
-      *field = value.get<std::string>();
-    }
-    if (entry.cases.empty()) refuse("\"cases\" names the cases that are expected to fail");
-    if (entry.reason.empty()) refuse("\"reason\" says in a sentence why");
-    if (!is_day(entry.until)) refuse("\"until\" is the last day on which that is accepted, such as 2027-01-31");
+  for (const JsonEntry& read : read_json_entries(file, {"cases", "reason", "until", "driver"})) {
+    const ExpectedFailure& entry = list.emplace_back(
+        ExpectedFailure{read.text("cases"), read.text("reason"), read.text("until"), read.text("driver")});
+    if (entry.cases.empty()) read.refuse("\"cases\" names the cases that are expected to fail");
+    if (entry.reason.empty()) read.refuse("\"reason\" says in a sentence why");
+    if (!is_day(entry.until)) read.refuse("\"until\" is the last day on which that is accepted, such as 2027-01-31");
   }
   return list;
 }

@@ -225,14 +225,9 @@ void conclude(const Tally& tally, std::uint64_t budget, CaseRecord& record) {
 std::vector<Case> hit_cases(const ListedScene& scene, std::uint64_t rays) {
   std::vector<Case> cases;
   for (const RayFamilyInfo& family : ray_families()) {
-    Case c;
-    c.name = "hits." + std::string(family.name) + "." + scene.name;
-    c.feature = "hits";
-    c.scene = scene.name;
-    c.spec = scene.spec;
+    Case c = scene_case("hits." + std::string(family.name) + "." + scene.name, "hits", scene, "4",
+                        "Every ray of the family hits what exact arithmetic says: " + std::string(family.description));
     c.family = family.name;
-    c.paper = "4";
-    c.proves = "Every ray of the family hits what exact arithmetic says: " + std::string(family.description);
     c.rays = rays;
     c.run = [id = family.family](CaseContext& context, const Case& self, CaseRecord& record) {
       Stage& stage = context.session.stage(self.spec);
@@ -250,15 +245,11 @@ std::vector<Case> hit_cases(const ListedScene& scene, std::uint64_t rays) {
 }
 
 Case embree_spheres_case(const ListedScene& scene, std::uint64_t rays) {
-  Case c;
-  c.name = "reference.embree_spheres." + scene.name;
-  c.feature = "hits";
-  c.scene = scene.name;
-  c.spec = scene.spec;
-  c.family = "chords";
-  c.proves =
+  Case c = scene_case(
+      "reference.embree_spheres." + scene.name, "hits", scene, "",
       "The reference's spheres, intersected in double precision, and Embree's own sphere primitive agree, or exact "
-      "arithmetic says that Embree erred.";
+      "arithmetic says that Embree erred.");
+  c.family = "chords";
   c.rays = rays;
   c.run = [](CaseContext& context, const Case& self, CaseRecord& record) {
     Stage& stage = context.session.stage(self.spec);

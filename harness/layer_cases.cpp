@@ -25,15 +25,11 @@ std::size_t rays_per_family(std::uint64_t tests, const Stage& stage) {
 }  // namespace
 
 Case brute_force_case(const ListedScene& scene, std::uint64_t tests) {
-  Case c;
-  c.feature = scene.has_nodes ? "transforms" : "hits";
-  c.name = (scene.has_nodes ? "transforms.brute_force." : "layers.brute_force.") + scene.name;
-  c.scene = scene.name;
-  c.spec = scene.spec;
-  c.paper = "4";
-  c.proves =
+  Case c = scene_case(
+      (scene.has_nodes ? "transforms.brute_force." : "layers.brute_force.") + scene.name,
+      scene.has_nodes ? "transforms" : "hits", scene, "4",
       "The tree loses nothing: the production walk answers bit for bit what a loop over all primitives answers with "
-      "the same primitive functions.";
+      "the same primitive functions.");
   c.run = [tests](CaseContext& context, const Case& self, CaseRecord& record) {
     Stage& stage = context.session.stage(self.spec);
     if (placed_count(stage.scene) > kMostBruteForce) {
@@ -54,14 +50,10 @@ Case brute_force_case(const ListedScene& scene, std::uint64_t tests) {
 }
 
 Case variants_case(const ListedScene& scene, std::uint64_t per_family) {
-  Case c;
-  c.feature = scene.has_nodes ? "transforms" : "bake";
-  c.name = (scene.has_nodes ? "transforms.variants." : "variants.all.") + scene.name;
+  Case c = scene_case((scene.has_nodes ? "transforms.variants." : "variants.all.") + scene.name,
+                      scene.has_nodes ? "transforms" : "bake", scene, "9",
+                      "No variant of bake or shader changes an answer in any bit.");
   c.variant = "bake=every variant";
-  c.scene = scene.name;
-  c.spec = scene.spec;
-  c.paper = "9";
-  c.proves = "No variant of bake or shader changes an answer in any bit.";
   c.run = [per_family, placed = scene.has_nodes](CaseContext& context, const Case& self, CaseRecord& record) {
     Stage& stage = context.session.stage(self.spec);
     const std::vector<Ray> rays = mixed_rays(stage.rays, case_seed(context.seed, self.name), per_family);
@@ -85,13 +77,8 @@ Case variants_case(const ListedScene& scene, std::uint64_t per_family) {
 }
 
 Case bake_file_case(const ListedScene& scene) {
-  Case c;
-  c.name = "bake.file." + scene.name;
-  c.feature = "bake";
-  c.scene = scene.name;
-  c.spec = scene.spec;
-  c.paper = "3";
-  c.proves = "A geometry image written to OpenEXR and read back is the same, bit for bit.";
+  Case c = scene_case("bake.file." + scene.name, "bake", scene, "3",
+                      "A geometry image written to OpenEXR and read back is the same, bit for bit.");
   c.run = [](CaseContext& context, const Case& self, CaseRecord& record) {
     Stage& stage = context.session.stage(self.spec);
     const std::filesystem::path file = context.out / ("bake_" + self.scene + ".exr");

@@ -5,20 +5,18 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cstdlib>
 #include <fstream>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <thread>
 #include <tuple>
 
 #include "harness/clock.h"
+#include "harness/json_entries.h"
 #include "harness/mutation_oracles.h"
-#include "harness/worker.h"
+#include "harness/worker_pool.h"
 #include "reports/files.h"
 #include "scenes/error.h"
 #include "scenes/random.h"
@@ -86,85 +84,47 @@ class Court {
   std::vector<MutationOracle> oracles_;
 };
 
-nlohmann::ordered_json to_json(const MutantResult& r) {
-  return {{"mutant", name_of(r.mutant)},
-          {"line", r.mutant.line_text},
-          {"outcome", name_of(r.outcome)},
-          {"oracle", r.oracle},
-          {"how", r.how},
-          {"asked", r.asked},
-          {"seconds", r.seconds}};
+std::string key_of(const Mutant& m) { return name_of(m) + "\n" + m.line_text; }
+
+/// One line of JSON: what a process answers, and what the journal keeps.
+std::string line_of(const MutantResult& r) {
+  return nlohmann::ordered_json{{"mutant", name_of(r.mutant)},
+                                {"line", r.mutant.line_text},
+                                {"outcome", name_of(r.outcome)},
+                                {"oracle", r.oracle},
+                                {"how", r.how},
+                                {"asked", r.asked},
+                                {"seconds", r.seconds}}
+      .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+/// All but the mutant. An outcome that is none counts as `survived`: then it is asked for again.
+MutantResult result_of(const nlohmann::json& json) {
+  MutantResult r;
+  for (const MutantOutcome outcome : {MutantOutcome::killed, MutantOutcome::stillborn})
+    if (json.value("outcome", "") == name_of(outcome)) r.outcome = outcome;
+  r.oracle = json.value("oracle", ""), r.how = json.value("how", "");
+  r.asked = json.value("asked", 0), r.seconds = json.value("seconds", 0.0);
+  return r;
 }
 
-/// Results by mutant's name and line. A line that a killed run has cut short is passed over.
+/// Results by key_of. A line that a killed run has cut short is passed over.
 std::map<std::string, MutantResult> read_journal(const std::filesystem::path& file) {
   std::map<std::string, MutantResult> known;
   std::ifstream stream(file);
   for (std::string line; std::getline(stream, line);) {
     const auto json = nlohmann::json::parse(line, nullptr, false);
-    if (!json.is_object()) continue;
-    MutantResult r;
-    const std::string outcome = json.value("outcome", "");
-    r.outcome = outcome == "killed"      ? MutantOutcome::killed
-                : outcome == "stillborn" ? MutantOutcome::stillborn
-                                         : MutantOutcome::survived;
-    r.oracle = json.value("oracle", ""), r.how = json.value("how", "");
-    r.asked = json.value("asked", 0), r.seconds = json.value("seconds", 0.0);
-    known[json.value("mutant", "") + "\n" + json.value("line", "")] = r;
+    if (json.is_object()) known[json.value("mutant", "") + "\n" + json.value("line", "")] = result_of(json);
   }
   return known;
 }
-std::string key_of(const Mutant& m) { return name_of(m) + "\n" + m.line_text; }
 
-/// The answer of a process, and back.
-std::string answer_of(const MutantResult& r) {
-  return nlohmann::json{{"outcome", static_cast<int>(r.outcome)},
-                        {"oracle", r.oracle},
-                        {"how", r.how},
-                        {"asked", r.asked},
-                        {"seconds", r.seconds}}
-      .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-}
-MutantResult from_json(const nlohmann::json& json, const Mutant& mutant) {
-  MutantResult r;
-  r.mutant = mutant;
-  r.outcome = static_cast<MutantOutcome>(json.at("outcome").get<int>());
-  r.oracle = json.at("oracle"), r.how = json.at("how");
-  r.asked = json.at("asked"), r.seconds = json.at("seconds");
-  return r;
-}
-
-/// Judges one mutant after the other.
+/// Judges one mutant after the other; a rehearsal comes first.
 Worker::Serve court_serve(const std::vector<Mutant>& mutants) {
   return [&mutants, court = std::make_shared<std::unique_ptr<Court>>()](const std::string& job,
                                                                         const JobProgress& progress) {
     if (!*court) *court = std::make_unique<Court>();
     if (job == kRehearsal) return (*court)->rehearse(progress);
-    const MutantResult r = (*court)->judge(mutants[std::stoul(job)], progress);
-    return answer_of(r);
-  };
-}
-
-/// Keeps such a process, and makes another where a mutant has hung or crashed it. This one has neither threads nor a
-/// context, so it can.
-Worker::Serve keeper_serve(const std::vector<Mutant>& mutants) {
-  return [&mutants, court = std::make_shared<std::unique_ptr<Worker>>()](const std::string& job,
-                                                                         const JobProgress& progress) {
-    Worker::Death death;
-    const auto rehearsed = [&] {
-      *court = std::make_unique<Worker>(court_serve(mutants));
-      const auto costs = (*court)->ask(kRehearsal, 10.0 * kSilentSeconds, progress, death);
-      if (!costs) throw EnvironmentError("the oracles do not stand the sound shaders: the process " + death.how);
-      return *costs;
-    };
-    if (job == kRehearsal) return rehearsed();
-    if (!*court) rehearsed();
-    if (const auto answer = (*court)->ask(job, kSilentSeconds, progress, death)) return *answer;
-    court->reset();
-    MutantResult r;
-    r.outcome = MutantOutcome::killed;
-    r.oracle = "watchdog", r.how = death.how, r.asked = 1;
-    return answer_of(r);
+    return line_of((*court)->judge(mutants[std::stoul(job)], progress));
   };
 }
 
@@ -216,7 +176,8 @@ class ShaderCache {
   std::filesystem::path folder_;
 };
 
-/// Asks for all mutants in turn, a thread for each process.
+/// Asks for all mutants in turn, several at once, each in a process that has rehearsed. A mutant that hangs or crashes
+/// its process is killed by that.
 class Trial {
  public:
   Trial(const MutationOptions& options, const std::vector<Mutant>& mutants, std::vector<MutantResult>& results,
@@ -231,67 +192,58 @@ class Trial {
 
   /// What each oracle takes on the sound shaders, a line each.
   std::string run() {
-    std::vector<std::unique_ptr<Worker>> keepers;
-    const auto count = std::min<std::size_t>(static_cast<std::size_t>(std::max(options_.jobs, 1)), open_.size());
-    for (std::size_t i = 0; i < count; ++i) keepers.push_back(std::make_unique<Worker>(keeper_serve(mutants_)));
-    std::vector<std::thread> threads;
-    for (auto& keeper : keepers) threads.emplace_back([this, &keeper] { work(*keeper); });
-    for (std::thread& thread : threads) thread.join();
-    if (!error_.empty()) throw EnvironmentError(error_);
+    places_.resize(std::min<std::size_t>(static_cast<std::size_t>(std::max(options_.jobs, 1)), open_.size()));
+    WorkerPool pool(places_.size(), court_serve(mutants_));
+    pool.run({[this](std::size_t place) { return next(places_[place]); }, [](std::size_t, double) {},
+              [this](std::size_t place, const WorkerPool::End& end) { return ended(places_[place], end); }});
     return costs_;
   }
 
  private:
-  void work(Worker& keeper) {
-    try {
-      Worker::Death death;
-      const auto quiet = [](double) {};
-      const auto costs = keeper.ask(kRehearsal, 10.0 * kSilentSeconds, quiet, death);
-      if (!costs) throw EnvironmentError(death.how);
-      const std::lock_guard lock(mutex_);
-      costs_ = *costs;
-    } catch (const std::exception& error) {
-      fail(error.what());
-    }
-    try {
-      Worker::Death death;
-      const auto quiet = [](double) {};
-      for (;;) {
-        const std::size_t k = next_++;
-        if (k >= open_.size() || has_failed_) return;
-        const Mutant& mutant = mutants_[open_[k]];
-        const auto answer = keeper.ask(std::to_string(open_[k]), 10.0 * kSilentSeconds, quiet, death);
-        if (!answer) throw EnvironmentError(death.how);
-        take(open_[k], from_json(nlohmann::json::parse(*answer), mutant));
-      }
-    } catch (const std::exception& error) {
-      fail(error.what());
-    }
+  struct Place {
+    bool has_rehearsed = false;
+    std::optional<std::size_t> mutant;  ///< that it judges; none: it rehearses
+  };
+
+  std::optional<WorkerPool::Job> next(Place& place) {
+    if (next_ >= open_.size()) return std::nullopt;
+    place.mutant.reset();
+    if (!place.has_rehearsed) return WorkerPool::Job{kRehearsal, 10.0 * kSilentSeconds};
+    place.mutant = open_[next_++];
+    return WorkerPool::Job{std::to_string(*place.mutant), kSilentSeconds};
   }
 
-  void fail(const std::string& what) {
-    const std::lock_guard lock(mutex_);
-    has_failed_ = true;
-    if (error_.empty()) error_ = what;
-  }
-
-  void take(std::size_t i, MutantResult result) {
-    const std::lock_guard lock(mutex_);
-    if (journal_.is_open())
-      journal_ << to_json(result).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << std::endl;
+  bool ended(Place& place, const WorkerPool::End& end) {
+    if (!end.failure.empty() && !(end.is_dead && place.mutant))
+      throw EnvironmentError((end.is_dead ? "the oracles do not stand the sound shaders: the process " : "") +
+                             end.failure);
+    place.has_rehearsed = !end.is_dead;
+    if (!place.mutant) {
+      costs_ = end.answer;
+      return true;
+    }
+    MutantResult result;
+    if (end.is_dead) {
+      result.outcome = MutantOutcome::killed;
+      result.oracle = "watchdog", result.how = end.failure, result.asked = 1, result.seconds = end.seconds;
+    } else {
+      result = result_of(nlohmann::json::parse(end.answer));
+    }
+    result.mutant = mutants_[*place.mutant];
+    if (journal_.is_open()) journal_ << line_of(result) << std::endl;
     options_.progress(static_cast<double>(++done_) / static_cast<double>(open_.size()), name_of(result.mutant));
-    results_[i] = std::move(result);
+    results_[*place.mutant] = std::move(result);
+    return true;
   }
 
   const MutationOptions& options_;
   const std::vector<Mutant>& mutants_;
   std::vector<MutantResult>& results_;
   std::vector<std::size_t> open_;
+  std::vector<Place> places_;
   std::ofstream journal_;
-  std::mutex mutex_;
-  std::atomic<std::size_t> next_ = 0, done_ = 0;
-  std::atomic<bool> has_failed_ = false;
-  std::string error_, costs_;
+  std::size_t next_ = 0, done_ = 0;
+  std::string costs_;
 };
 
 bool is_of(const EquivalentMutant& e, const Mutant& m) {
@@ -344,34 +296,15 @@ MutationRun run_mutants(const MutationOptions& options) {
 std::filesystem::path equivalent_mutants_file() { return PLUMBLINE_EQUIVALENT_MUTANTS; }
 
 std::vector<EquivalentMutant> read_equivalent_mutants(const std::filesystem::path& file) {
-  const auto json = nlohmann::json::parse(read_text(file), nullptr, false);
-  const std::string name = file.string();
-  if (!json.is_array())
-    throw InputError(name + ": expected a JSON array of objects with the keys file, line, before, after and reason");
   std::vector<EquivalentMutant> list;
-  for (std::size_t i = 0; i < json.size(); ++i) {
-    const auto refuse = [&](const std::string& why) {
-      throw InputError(name + ": entry " + std::to_string(i) + ": " + why);
-    };
-    if (!json[i].is_object()) refuse("expected an object");
+  for (const JsonEntry& read : read_json_entries(file, {"file", "line", "before", "after", "column", "reason"})) {
     EquivalentMutant& entry = list.emplace_back();
-    for (const auto& [key, value] : json[i].items()) {
-      if (key == "column" && value.is_number_integer()) {
-        entry.column = value.get<int>();
-        continue;
-      }
-      std::string* field = key == "file"     ? &entry.file
-                           : key == "line"   ? &entry.line
-                           : key == "before" ? &entry.before
-                           : key == "after"  ? &entry.after
-                           : key == "reason" ? &entry.reason
-                                             : nullptr;
-      if (!field) refuse("there is no key \"" + key + "\"; keys are file, line, before, after, column, reason");
-      if (!value.is_string()) refuse("\"" + key + "\" is text");
-      *field = value.get<std::string>();
-    }
-    if (entry.file.empty() || entry.line.empty()) refuse("\"file\" and \"line\" name the line of a shader");
-    if (entry.reason.empty()) refuse("\"reason\" says in a sentence why no answer changes");
+    entry.file = read.text("file"), entry.line = read.text("line");
+    entry.before = read.text("before"), entry.after = read.text("after");
+    entry.column = read.number("column");
+    entry.reason = read.text("reason");
+    if (entry.file.empty() || entry.line.empty()) read.refuse("\"file\" and \"line\" name the line of a shader");
+    if (entry.reason.empty()) read.refuse("\"reason\" says in a sentence why no answer changes");
   }
   return list;
 }

@@ -61,6 +61,7 @@ TEST_CASE("lines that a program compiles are told by its conditions", "[mutation
   CHECK(compiled("#define X\n#ifdef X\nb\n#else\nc\n#endif\n") == "b");
   CHECK(compiled("#define N 3\n#if N > 2 && !defined(Y)\nb\n#elif N == 3\nc\n#endif\n") == "b");
   CHECK(compiled("#define N 3\n#if N < 2\nb\n#elif N == 3\nc\n#else\nd\n#endif\n") == "c");
+  // What stands under #if 0 is a text to be read: nothing is switched off here.
   CHECK(compiled("#if 0\n#if 1\na\n#else\nb\n#endif\n#endif\nc\n") == "c");
   CHECK(compiled("#if UNKNOWN\na\n#endif\n#if (1 || 0) && 2 >= 2\nb\n#endif\n") == "b");
   CHECK_THROWS_AS(active_lines(shader_of("#if 1 +\n#endif\n")), InputError);

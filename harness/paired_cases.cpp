@@ -112,16 +112,11 @@ void run_paired(CaseContext& context, const Case& self, CaseRecord& record, Pair
 std::string feature_of(PairedEffects effects) { return effects == PairedEffects::all ? "combined" : name_of(effects); }
 
 Case paired_case(const ListedScene& scene, PairedEffects effects, std::uint64_t samples) {
-  Case c;
-  c.name = "drt.paired." + std::string(name_of(effects)) + "." + scene.name;
-  c.feature = feature_of(effects);
-  c.scene = scene.name;
-  c.spec = scene.spec;
-  c.paper = "7";
-  c.proves =
+  Case c = scene_case(
+      "drt.paired." + std::string(name_of(effects)) + "." + scene.name, feature_of(effects), scene, "7",
       "Given the tracer's own random numbers, every step of every sample is what the reference computes, within what "
       "rounding may do; effects: " +
-      std::string(name_of(effects)) + ", in both models.";
+          std::string(name_of(effects)) + ", in both models.");
   c.rays = samples;
   c.run = [effects](CaseContext& context, const Case& self, CaseRecord& record) {
     run_paired(context, self, record, effects);

@@ -35,14 +35,9 @@ std::uint32_t number_of(const AnyHit& hit) {
 }  // namespace
 
 Case picture_case(const ListedScene& scene) {
-  Case c;
-  c.name = "hits.picture." + scene.name;
-  c.feature = "hits";
-  c.scene = scene.name;
-  c.spec = scene.spec;
+  Case c = scene_case("hits.picture." + scene.name, "hits", scene, "4",
+                      "Every pixel of the camera's view hits what exact arithmetic says.");
   c.family = "picture";
-  c.paper = "4";
-  c.proves = "Every pixel of the camera's view hits what exact arithmetic says.";
   c.run = [](CaseContext& context, const Case& self, CaseRecord& record) {
     Stage& stage = context.session.stage(self.spec);
     Camera camera = stage.scene.camera;

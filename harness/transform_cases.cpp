@@ -63,15 +63,10 @@ std::string proof_of(RayFamily family, TransformOut out) {
 
 Case family_case(const ListedScene& scene, TransformOut out, RayFamily family, std::uint64_t rays) {
   const RayFamilyInfo& info = ray_family_info(family);
-  Case c;
-  c.name = std::string("transforms.") + name_of(out) + "." + std::string(info.name) + "." + scene.name;
-  c.feature = "transforms";
-  c.scene = scene.name;
-  c.spec = scene.spec;
+  Case c = scene_case(std::string("transforms.") + name_of(out) + "." + std::string(info.name) + "." + scene.name,
+                      "transforms", scene, "6", proof_of(family, out));
   c.family = info.name;
   c.variant = std::string("transform-out=") + name_of(out);
-  c.paper = "6";
-  c.proves = proof_of(family, out);
   c.rays = rays;
   c.run = [out, family](CaseContext& context, const Case& self, CaseRecord& record) {
     Stage& stage = context.session.stage(self.spec);
@@ -223,15 +218,10 @@ bool same_point(const Stage& stage, const Ray& ray, const ReferenceHit& a, const
 }
 
 Case two_truths_case(const ListedScene& scene, std::uint64_t per_family) {
-  Case c;
-  c.name = "transforms.two_truths." + scene.name;
-  c.feature = "transforms";
-  c.scene = scene.name;
-  c.spec = scene.spec;
-  c.paper = "6";
-  c.proves =
+  Case c = scene_case(
+      "transforms.two_truths." + scene.name, "transforms", scene, "6",
       "Embree's instances and Embree on all geometry flattened to world space agree with each other, or exact "
-      "arithmetic says which erred.";
+      "arithmetic says which erred.");
   c.run = [per_family](CaseContext& context, const Case& self, CaseRecord& record) {
     Stage& stage = context.session.stage(self.spec);
     if (is_skipped(stage, record)) return;

@@ -91,15 +91,10 @@ Transform nearby(const Transform& rest, double reach, std::uint64_t seed, std::u
 }
 
 Case frames_case(const ListedScene& scene, std::uint64_t per_family) {
-  Case c;
-  c.name = "transforms.frames." + scene.name;
-  c.feature = "transforms";
-  c.scene = scene.name;
-  c.spec = scene.spec;
-  c.paper = "6";
-  c.proves =
+  Case c = scene_case(
+      "transforms.frames." + scene.name, "transforms", scene, "6",
       "At each of twelve times of the animation the image that was brought up to date in place equals a full bake, "
-      "texel for texel, and every ray of every family hits what exact arithmetic says.";
+      "texel for texel, and every ray of every family hits what exact arithmetic says.");
   c.run = [per_family](CaseContext& context, const Case& self, CaseRecord& record) {
     const Stage& start = context.session.stage(self.spec);
     const TimeRange range = time_range(start.scene);
@@ -135,15 +130,10 @@ Case frames_case(const ListedScene& scene, std::uint64_t per_family) {
 }
 
 Case updates_case(const ListedScene& scene, std::uint64_t per_family) {
-  Case c;
-  c.name = "transforms.updates." + scene.name;
-  c.feature = "transforms";
-  c.scene = scene.name;
-  c.spec = scene.spec;
-  c.paper = "6";
-  c.proves =
+  Case c = scene_case(
+      "transforms.updates." + scene.name, "transforms", scene, "6",
       "After a thousand updates in a row the image equals a full bake of the moved scene, texel for texel, and every "
-      "ray of every family hits what exact arithmetic says.";
+      "ray of every family hits what exact arithmetic says.");
   c.run = [per_family](CaseContext& context, const Case& self, CaseRecord& record) {
     const Stage& start = context.session.stage(self.spec);
     if (is_skipped(start, record)) return;

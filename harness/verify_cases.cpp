@@ -109,13 +109,9 @@ void find_faults(CaseContext& context, const Case& self, CaseRecord& record) {
 }  // namespace
 
 Case verify_case(const ListedScene& scene) {
-  Case c;
-  c.name = "bake.verify." + scene.name;
-  c.feature = "bake";
-  c.scene = scene.name;
-  c.spec = scene.spec;
-  c.paper = "3";
-  c.proves = "The image of every variant is sound: links, bounds, transforms and primitives, proved without a ray.";
+  Case c = scene_case(
+      "bake.verify." + scene.name, "bake", scene, "3",
+      "The image of every variant is sound: links, bounds, transforms and primitives, proved without a ray.");
   c.run = verify_variants;
   return c;
 }
