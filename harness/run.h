@@ -26,7 +26,7 @@ struct RunOptions {
   /// where this process has threads or a GL context already.
   bool isolate = false;
   int jobs = 1;                           ///< cases that run at once, where they are isolated
-  double silent_seconds = 600.0;          ///< an isolated case that gives no sign of life for so long hangs
+  double silent_seconds = 240.0;          ///< an isolated case that gives no sign of life for so long hangs
   std::filesystem::path history;          ///< database of earlier runs; empty: none
   std::vector<ExpectedFailure> expected;  ///< cases that are known to fail
   /// GitHub Actions: annotations on standard output, and report.md appended to the file that GITHUB_STEP_SUMMARY names.

@@ -19,7 +19,9 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
 #include <mutex>
+#include <sstream>
 #include <vector>
 
 #include "scenes/error.h"
@@ -51,6 +53,21 @@ enum class Received { all, ended, silent };
 
 double seconds_until(Clock::time_point moment) {
   return std::fmax(0.0, std::chrono::duration<double>(moment - Clock::now()).count());
+}
+
+/// All that a process's threads have used so far; 0 where the system does not tell.
+double processor_seconds(pid_t process) {
+  std::ifstream stream("/proc/" + std::to_string(process) + "/stat");
+  std::string text;
+  std::getline(stream, text);
+  // Behind the name, which ends with the last bracket: state and ten more fields, then time in the program and in the
+  // system, in ticks.
+  std::istringstream fields(text.substr(std::min(text.rfind(')') + 1, text.size())));
+  std::string skipped;
+  for (int i = 0; i < 11; ++i) fields >> skipped;
+  double user = 0.0, system = 0.0;
+  fields >> user >> system;
+  return fields ? (user + system) / static_cast<double>(::sysconf(_SC_CLK_TCK)) : 0.0;
 }
 
 /// For poll; rounded up, so that a deadline is past when the wait ends.
@@ -164,6 +181,7 @@ std::string Worker::end() {
 }
 
 void Worker::sign_of_life() {
+  used_ = processor_seconds(process_);
   deadline_ =
       Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(silent_seconds_));
 }
@@ -205,10 +223,13 @@ Worker::News Worker::news(const JobProgress& progress, std::string& answer, Deat
   else if (Clock::now() < deadline_)
     return News::none;
   if (got == Received::silent) {
+    // A loop without an end uses a processor all the while, threads that wait for each other none.
+    const double used = processor_seconds(process_) - used_;
     end();
-    char seconds[32];
-    std::snprintf(seconds, sizeof seconds, "%g", silent_seconds_);
-    death.how = "hung: no sign of life for " + std::string(seconds) + " s, so it was killed";
+    char text[128];
+    std::snprintf(text, sizeof text, "hung: no sign of life for %g s, with %.1f s of processor time, so it was killed",
+                  silent_seconds_, used);
+    death.how = text;
     return News::death;
   }
   if (got == Received::ended) {

@@ -57,6 +57,7 @@ class Worker {
   int jobs_ = -1, answers_ = -1;
   double silent_seconds_ = 0.0;
   Clock::time_point deadline_{};  ///< of the next sign of life
+  double used_ = 0.0;             ///< processor time at the last one, seconds
 };
 
 }  // namespace plumbline

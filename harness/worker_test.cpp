@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
+#include <cstdio>
 #include <cstdlib>
 
 #include "harness/deeper.h"
@@ -88,7 +89,15 @@ TEST_CASE("A worker that is silent is killed, one that gives signs of life is no
             "alive", 0.4, [](double) {}, death) == "done");
   CHECK_FALSE(Worker(slow).ask(
       "silent", 0.4, [](double) {}, death));
-  CHECK(death.how == "hung: no sign of life for 0.4 s, so it was killed");
+  CHECK_THAT(death.how, Catch::StartsWith("hung: no sign of life for 0.4 s, with 0.0 s of processor time"));
+  const auto endless = [](const std::string&, const JobProgress&) -> std::string {
+    for (volatile int turns = 0;;) turns = turns + 1;
+  };
+  CHECK_FALSE(Worker(endless).ask(
+      "", 1.0, [](double) {}, death));
+  double used = 0.0;
+  REQUIRE(std::sscanf(death.how.c_str(), "hung: no sign of life for 1 s, with %lf s", &used) == 1);
+  CHECK((used > 0.1 && used < 2.0));  // of one thread, on a machine that others use too
 }
 
 TEST_CASE("Cases that crash, hang or exit are errors, and the others run on") {

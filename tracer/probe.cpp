@@ -314,8 +314,8 @@ struct Probe::Impl {
       draw(rows, kResume, range_end);
       std::vector<Open> still_open;
       for (std::size_t k = 0; k < open.size(); ++k) {
-        // A pass that leaves everything as it was will do so for ever: a record leads the way out in a circle, or
-        // deeper than the driver's loops go. (Passes of brute force go on with other primitives.)
+        // A pass that leaves everything as it was but the count of steps will do so for ever: a record leads the way
+        // out in a circle, or deeper than the driver's loops go. (Passes of brute force go on with other primitives.)
         if (!is_brute && is_unchanged(k))
           hits[open[k].ray].kind = HitKind::capped, hits[open[k].ray].steps = results[0][k].z;
         else
@@ -325,11 +325,15 @@ struct Probe::Impl {
     }
   }
 
-  /// Whether a pixel of the last pass has written the state that it was given.
+  /// Whether a pixel of the last pass has written the state that it was given. A walk that stays where it is visits its
+  /// node again in every pass, so steps tell nothing.
   bool is_unchanged(std::size_t pixel) const {
     const auto count = static_cast<std::size_t>(target_count);
-    for (std::size_t i = 0; i < count; ++i)
-      if (state_texels[pixel * count + i] != results[i][pixel]) return false;
+    for (std::size_t i = 0; i < count; ++i) {
+      PassWords before = state_texels[pixel * count + i], now = results[i][pixel];
+      if (i == 0) before.z = now.z = 0u;
+      if (before != now) return false;
+    }
     return true;
   }
   /// Takes a ray's result from its pixel.

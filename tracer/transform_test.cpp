@@ -374,4 +374,19 @@ TEST_CASE("a cluster left early in one instance is whole in the next", "[transfo
     }
 }
 
+// Every pass then visits the end of the walk once more, and its step was taken for headway: four million passes (two
+// cases of a night hung in this).
+TEST_CASE("a walk that no pass brings on ends as capped", "[transform]") {
+  const Scene scene = load_scene("around_eye");
+  const GeometryImage image = bake(scene);
+  const std::vector<ShaderPatch> never{{"result.glsl", "complete = complete && node < 0;", "complete = false;"}};
+  Probe probe(context(), image, Traversal::tree, never);
+  const std::vector<Ray> rays{
+      {{0x1.83c2fp+0f, -0x1.9673d4p+0f, -0x1.b53644p+1f}, {0x1.9580b8p-1f, -0x1.0ca17cp-7f, 0x1.388f68p-1f}}};
+  std::vector<Hit> hits(1);
+  probe.trace(rays, hits);
+  CHECK(hits[0].kind == HitKind::capped);
+  CHECK(probe.resumed_passes() < 8);
+}
+
 }  // namespace plumbline
