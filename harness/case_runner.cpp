@@ -27,6 +27,10 @@ CaseRecord begun(const Case& c, std::uint64_t seed, const RunOptions& options) {
 
 constexpr const char* kAskDriver = "driver";
 
+/// The driver keeps what it has compiled for every program and state, some gigabytes after a night's programs. A
+/// process that holds more than this is replaced between two cases.
+constexpr std::uint64_t kMostResident = std::uint64_t{3} << 29;
+
 }  // namespace
 
 CaseRunner::CaseRunner(const std::vector<Case>& cases, const RunOptions& options)
@@ -174,7 +178,8 @@ void CaseRunner::run(const std::vector<CaseJob>& jobs, const JobEvents& events) 
                places[place].is_busy = false;
                const CaseJob& job = jobs[*places[place].position];
                CaseRecord record = record_of(job, end);
-               const bool goes_on = record.status != CaseStatus::error;  // else the next case begins afresh
+               // Else the next case begins afresh.
+               const bool goes_on = record.status != CaseStatus::error && end.resident_bytes < kMostResident;
                events.ended(job, std::move(record));
                return goes_on;
              }});

@@ -104,7 +104,7 @@ struct Arguments {
   bool resume = false, github = false, quick = false, paper = false, no_pictures = false;
   int rounds = 7;
   /// The driver and Embree use all cores while they trace; what lies between is one thread's, hence more at once. Each
-  /// takes up to 0.4 GB of memory.
+  /// holds up to 1.5 GB of memory, or what its scene takes if that is more (case_runner.cpp).
   int jobs = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, 4U));
 };
 

@@ -210,6 +210,13 @@ void Worker::wait(std::span<Worker* const> workers) {
   ::poll(waiting.data(), waiting.size(), milliseconds(left));
 }
 
+std::uint64_t Worker::resident_bytes() const {
+  std::ifstream stream("/proc/" + std::to_string(process_) + "/statm");
+  std::uint64_t all = 0, resident = 0;
+  stream >> all >> resident;
+  return stream ? resident * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE)) : 0;
+}
+
 Worker::News Worker::news(const JobProgress& progress, std::string& answer, Death& death) {
   if (process_ < 0) {
     death.how = end();

@@ -4,6 +4,7 @@
 
 #include <sys/types.h>
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <span>
@@ -47,6 +48,9 @@ class Worker {
   /// What there is to tell now, without waiting for more: a sign of life (told to `progress`), the answer, or a death.
   /// Throws as `ask` does.
   News news(const JobProgress& progress, std::string& answer, Death& death);
+
+  /// What the process holds in memory now; 0 where it is gone or the system does not tell.
+  std::uint64_t resident_bytes() const;
 
  private:
   [[noreturn]] void live(const Serve& serve, int jobs, int answers);

@@ -25,6 +25,7 @@ std::optional<WorkerPool::End> WorkerPool::news_of(Place& place, const JobProgre
     end.failure = error.what();
   }
   end.seconds = seconds_since(place.start);
+  if (!end.is_dead) end.resident_bytes = place.worker->resident_bytes();
   return end;
 }
 

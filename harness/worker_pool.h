@@ -23,6 +23,7 @@ class WorkerPool {
     std::string answer, failure;
     bool is_dead = false;
     double seconds = 0.0;
+    std::uint64_t resident_bytes = 0;  ///< of the process, at the end
   };
   /// All are called from the thread that runs the pool; what they throw ends the run.
   struct Events {
