@@ -150,6 +150,7 @@ void GlProgram::draw(int width, int height) const {
   gl.UseProgram(program_);
   gl.BindVertexArray(vertex_array_);
   gl.Viewport(0, 0, width, height);
+  set("u_size", glm::ivec4(width, height, 0, 0));
   gl.DrawArrays(GL_TRIANGLES, 0, 3);
 }
 

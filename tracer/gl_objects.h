@@ -108,7 +108,7 @@ class GlProgram {
   void set(const char* name, int value) const;
   void set(const char* name, const glm::vec4& value) const;
   void set(const char* name, const glm::ivec4& value) const;
-  /// Draws one triangle over a viewport of this size.
+  /// Draws one triangle over a viewport of this size, which the program may read as `u_size`.
   void draw(int width, int height) const;
 
  private:

@@ -8,7 +8,9 @@
 #include "scenes/error.h"
 #include "scenes/generate.h"
 #include "scenes/random.h"
+#include "tracer/pass.h"
 #include "tracer/probe.h"
+#include "tracer/shader_words.h"
 #include "tracer/verify.h"
 
 namespace plumbline {
@@ -387,6 +389,48 @@ TEST_CASE("a walk that no pass brings on ends as capped", "[transform]") {
   probe.trace(rays, hits);
   CHECK(hits[0].kind == HitKind::capped);
   CHECK(probe.resumed_passes() < 8);
+}
+
+// The driver shades whole blocks of pixels, and loops end after 65,535 iterations of any pixel of a block. Beyond a
+// pass's rows stands what earlier passes have left there, or nobody: a walk begun from that can go round for ever. (It
+// used up the loops by which rays of their blocks leave instances: a night lost 113 rays of `crowd`.)
+TEST_CASE("what stands beyond the rows of a pass has no say", "[transform]") {
+  const Scene scene = load_scene("crowd");
+  const GeometryImage image = bake(scene);
+  REQUIRE(image.cell_count > 65535);
+  Probe probe(context(), image);
+  std::vector<Ray> rays;  // from so far away that another pass brings them near
+  for (std::uint32_t i = 0; i < 64; ++i) {
+    const glm::vec3 target = scene.nodes[i * 150].transform.translation + glm::vec3(0.0f, 0.1f, 0.0f);
+    rays.push_back({target + glm::vec3(0.0f, 1e8f, 0.0f), glm::vec3(0.0f, -1.0f, 0.0f)});
+  }
+  std::vector<Hit> expected(rays.size()), hits(rays.size());
+  probe.trace(rays, expected);
+  REQUIRE(probe.resumed_passes() > 0);
+  REQUIRE(std::any_of(expected.begin(), expected.end(), [](const Hit& h) { return h.kind == HitKind::hit; }));
+
+  // The texture of states is still bound. In each state a walk stands far beyond the end of the image.
+  const GlFunctions& gl = context().use();
+  gl.ActiveTexture(GL_TEXTURE0 + kStateUnit);
+  const glm::uvec4 unfinished(kWordUnfinished, 0x7f800000u, 0u, 0u), nowhere(0x7ffffff0u, 0u, ~0u, 0u);
+  const glm::uvec4 no_hit(std::bit_cast<std::uint32_t>(static_cast<float>(kNoLabel)), 0u, 0u, 0u),
+      world(0u, 0u, ~0u, 0u);
+  std::vector<glm::uvec4> states;
+  for (int i = 0; i < kBatchWidth * (kBatchHeight - 1); ++i)
+    states.insert(states.end(), {unfinished, nowhere, no_hit, world});
+  gl.TexSubImage2D(GL_TEXTURE_2D, 0, 0, 1, 4 * kBatchWidth, kBatchHeight - 1, GL_RGBA_INTEGER, GL_UNSIGNED_INT,
+                   states.data());
+  std::vector<Ray> many(std::size_t{kBatchWidth} * 8);  // and beyond the rays of the next pass, others
+  for (std::size_t i = 0; i < many.size(); ++i)
+    many[i] = {rays[i % 64].origin * glm::vec3(1, 1e-7f, 1), rays[0].direction};
+  std::vector<Hit> of_many(many.size());
+  probe.trace(many, of_many);
+  probe.trace(rays, hits);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    CAPTURE(i, hits[i].kind == HitKind::capped);
+    CHECK(hits[i].kind == expected[i].kind);
+    CHECK(hits[i].primitive == expected[i].primitive);
+  }
 }
 
 }  // namespace plumbline

@@ -92,7 +92,7 @@ uvec4 nearest_1() {
 #endif
 
 void main() {
-  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  ivec2 pixel = pixel_of_pass();
 #ifdef RENDERING
   int number = pixel.y * BATCH_WIDTH + pixel.x * BUNDLE_SIZE;  // the rays of a bundle stand side by side
 #else

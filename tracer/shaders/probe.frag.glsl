@@ -135,7 +135,7 @@ void start_or_resume(ivec2 pixel) {
 }
 
 void main() {
-  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  ivec2 pixel = pixel_of_pass();
   int number = pixel.y * BATCH_WIDTH + pixel.x;
 #ifdef CAPTURE
   start_capture(number);

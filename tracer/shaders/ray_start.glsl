@@ -17,6 +17,10 @@ uniform sampler2D u_rays;
 vec4 ray_texel(int i) { return texelFetch(u_rays, ivec2(i % (2 * BATCH_WIDTH), i / (2 * BATCH_WIDTH)), 0); }
 #endif
 
+// Drivers shade whole blocks of pixels, and llvmpipe's loops go on, and are cut off, for a block as one. So pixels beyond the
+// pass do what its last ones do: from what stands there, of earlier passes or nobody's, a walk may go round for ever.
+ivec2 pixel_of_pass() { return min(ivec2(gl_FragCoord.xy), pass_size.xy - 1); }
+
 void start() {
   walk.cluster_at = -1;
   walk.cluster_next = 0;
