@@ -51,23 +51,29 @@ std::string alike(const std::vector<Case>& cases, const std::string& pattern) {
 }
 
 /// The tracer's samples and perturbations, with each source of random numbers.
-std::vector<Case> tracer_statistics(bool few_frames) {
+std::vector<Case> tracer_statistics(bool few_frames, const RendererFault& fault) {
   std::vector<Case> cases = density_cases(reference_perturbations());
   const auto add = [&](std::vector<Case> more) {
     for (Case& c : more) cases.push_back(std::move(c));
   };
   for (const RandomKind random : {RandomKind::hash, RandomKind::md5, RandomKind::texture})
-    add(density_cases(tracer_perturbations(random)));
+    add(density_cases(tracer_perturbations(random, fault.patches)));
   DrtOptions depth;
   if (few_frames) depth.single_frames = 4, depth.pair_frames = depth.all_frames = 1;
-  add(independent_cases([](CaseContext&) { return make_tracer_engine; }, depth));
+  RenderSettings own;
+  own.patches = fault.patches;
+  const auto engine_of = [&](const RenderSettings& settings) -> EngineUnderTest {
+    return [settings, edit = fault.edit](CaseContext&) {
+      return edit ? edited_engines(tracer_engines(settings), edit) : tracer_engines(settings);
+    };
+  };
+  add(independent_cases(engine_of(own), depth));
   // Of the image of noise one effect at a time: pairs and all together ask nothing more of a source of numbers.
   DrtOptions texture = depth;
   texture.name = "texture";
   texture.pixels_independent = false;
-  RenderSettings with_texture;
-  with_texture.random = RandomKind::texture;
-  for (Case& c : independent_cases([with_texture](CaseContext&) { return tracer_engines(with_texture); }, texture))
+  own.random = RandomKind::texture;
+  for (Case& c : independent_cases(engine_of(own), texture))
     if (c.name.starts_with("drt.independent.")) cases.push_back(std::move(c));
   return cases;
 }
@@ -130,21 +136,21 @@ std::vector<Case> make_catalogue(const CatalogueOptions& options) {
     cases.push_back(bake_file_case(scene));
     cases.push_back(verify_case(scene));
     // These put other scenes on the stage, so they come last.
-    if (options.paired_samples > 0) add(paired_cases(scene, options.paired_samples, true));
+    if (options.paired_samples > 0) add(paired_cases(scene, {options.paired_samples, true, options.fault.patches}));
     if (options.checked) cases.push_back(checked_picture_case(scene, *options.checked));
     if (scene.moves) cases.push_back(frames_case(scene, options.moved_rays));
     if (scene.has_nodes) cases.push_back(updates_case(scene, options.moved_rays));
   }
   for (const ListedScene& scene : options.pictures) {
     cases.push_back(captured_case(scene, options.captured_rays));
-    add(paired_cases(scene, options.paired_samples, false));
+    add(paired_cases(scene, {options.paired_samples, false, options.fault.patches}));
   }
   if (options.whole) {
     cases.push_back(broken_trees_case());
     cases.push_back(drift_case());
     cases.push_back(bunnies_case(options.moved_rays));
-    add(closed_form_cases(picture_sources, options.profile_samples));
-    add(tracer_statistics(options.few_frames));
+    add(closed_form_cases(picture_sources(options.fault.patches), options.profile_samples));
+    add(tracer_statistics(options.few_frames, options.fault));
     add(model_bias_cases());
   }
   return cases;

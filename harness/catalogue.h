@@ -53,6 +53,13 @@ struct CheckedPictures {
   std::vector<ShaderPatch> patches;  ///< faults on purpose
 };
 
+/// What is wrong on purpose with the tracer's pictures (renderer_faults.h).
+struct RendererFault {
+  std::vector<ShaderPatch> patches;
+  std::function<void(Scene&)>
+      edit;  ///< what the independent comparison hands to the tracer, and only to it; empty: nothing
+};
+
 struct CatalogueOptions {
   std::vector<ListedScene> scenes;          ///< whose hits are compared
   std::uint64_t hits_rays = 1 << 14;        ///< per family and scene
@@ -66,6 +73,7 @@ struct CatalogueOptions {
   std::vector<ListedScene> pictures;        ///< scenes for renderers alone
   bool few_frames = false;                  ///< statistics of pictures at a third of their depth or less
   std::optional<CheckedPictures> checked;   ///< none in the nightly, which has cases of more kinds
+  RendererFault fault;                      ///< of the cases of effects
   bool whole = false;                       ///< the cases that have scenes of their own, too
   std::uint64_t brute_force_tests =
       40'000'000;  ///< primitive tests per scene in the brute-force layer, spread over all families
@@ -96,8 +104,14 @@ std::string axes_of(const Case& c);
 std::vector<Case> driver_cases();
 std::vector<Case> hit_cases(const ListedScene& scene, std::uint64_t rays);
 Case picture_case(const ListedScene& scene);
-/// With each effect alone, without any, and with all of them; `few`: the last two.
-std::vector<Case> paired_cases(const ListedScene& scene, std::uint64_t samples, bool few);
+struct PairedOptions {
+  std::uint64_t samples = 2400;      ///< of each effect
+  bool few = false;                  ///< shading and all effects together, and no other
+  std::vector<ShaderPatch> patches;  ///< faults on purpose
+};
+/// With each effect alone, without any, and with all of them; these also with the numbers of MD5 and of the image of
+/// noise.
+std::vector<Case> paired_cases(const ListedScene& scene, const PairedOptions& options);
 Case captured_case(const ListedScene& scene, std::uint64_t rays);
 Case brute_force_case(const ListedScene& scene, std::uint64_t tests);
 Case variants_case(const ListedScene& scene, std::uint64_t rays);

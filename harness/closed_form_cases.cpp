@@ -161,18 +161,22 @@ Case case_of(const ClosedFormInfo& info, const PictureSources& sources, std::uin
 
 }  // namespace
 
-std::vector<PictureSource> picture_sources(CaseContext&) {
-  RenderSettings with_image;
-  with_image.random = RandomKind::texture;
-  return {{"reference", make_reference_engine},
-          {"tracer, hash", make_tracer_engine},
-          {"tracer, texture", tracer_engines(with_image), false, 0.125}};
+PictureSources picture_sources(const std::vector<ShaderPatch>& patches) {
+  return [patches](CaseContext&) -> std::vector<PictureSource> {
+    RenderSettings own;
+    own.patches = patches;
+    RenderSettings with_image = own;
+    with_image.random = RandomKind::texture;
+    return {{"reference", make_reference_engine},
+            {"tracer, hash", tracer_engines(own)},
+            {"tracer, texture", tracer_engines(with_image), false, 0.125}};
+  };
 }
 
 std::uint32_t frames_for(const Profile& profile, std::uint64_t samples) {
-  constexpr std::uint32_t kWithoutVariance = 64, kLeast = 16, kMostMoving = 1 << 14;
+  constexpr std::uint32_t kWithoutVariance = 64, kLeast = 16, kMost = 0x7fffffff;
   if (!profile.exposed.empty())
-    return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(samples / 4, kLeast, kMostMoving));
+    return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(samples / 4, kLeast, kMost));
   std::vector<std::uint64_t> pixels(profile.place.size(), 0);
   std::vector<bool> varies(profile.place.size(), false);
   for (std::size_t i = 0; i < profile.pixels.size(); ++i)
@@ -184,7 +188,7 @@ std::uint32_t frames_for(const Profile& profile, std::uint64_t samples) {
   for (std::size_t point = 0; point < pixels.size(); ++point)
     if (varies[point]) fewest = fewest > 0 ? std::min(fewest, pixels[point]) : pixels[point];
   if (fewest == 0) return kWithoutVariance;
-  return static_cast<std::uint32_t>(std::clamp<std::uint64_t>((samples + fewest - 1) / fewest, kLeast, 0x7fffffff));
+  return static_cast<std::uint32_t>(std::clamp<std::uint64_t>((samples + fewest - 1) / fewest, kLeast, kMost));
 }
 
 PictureMoments render_profile(const ClosedForm& form, const PictureSource& source, std::uint64_t seed,

@@ -19,10 +19,10 @@ struct PictureSource {
 using PictureSources = std::function<std::vector<PictureSource>(CaseContext&)>;
 
 /// Those that the catalogue examines.
-std::vector<PictureSource> picture_sources(CaseContext& context);
+PictureSources picture_sources(const std::vector<ShaderPatch>& patches = {});
 
-/// How many frames give every point at least that many samples. With motion blur all
-/// samples of a frame share their time, and frames are slow: a quarter of that number, at most 2^14.
+/// How many frames give every point at least that many samples. With motion blur all samples of a frame share their
+/// time, and frames are slow: a quarter of that number.
 std::uint32_t frames_for(const Profile& profile, std::uint64_t samples);
 
 /// Renders all frames and tells of the share that is done.

@@ -16,6 +16,7 @@
 #include "harness/catalogue.h"
 #include "harness/checked_pictures.h"
 #include "harness/commands.h"
+#include "harness/depths.h"
 #include "harness/help.h"
 #include "harness/hit_cases.h"
 #include "harness/progress.h"
@@ -44,9 +45,6 @@ std::string name_part(std::string name) {
     if (!std::isalnum(static_cast<unsigned char>(c)) && c != '_') c = '_';
   return name.empty() ? "scene" : name;
 }
-
-constexpr std::uint64_t kNightlyRays = 21'000'000;
-constexpr std::uint64_t kNightlyProfile = 1 << 15;  // samples for each point of a profile
 
 /// "20m", "90s", "1h", "600" (seconds).
 double parse_duration(const std::string& text) {
@@ -81,13 +79,6 @@ std::uint64_t seed_of_today() {
          static_cast<std::uint64_t>(d.tm_mday);
 }
 
-std::vector<ListedScene> every_scene() {
-  std::vector<ListedScene> scenes = own_scenes();
-  for (ListedScene& s : real_scenes()) scenes.push_back(std::move(s));
-  for (ListedScene& s : placed_scenes()) scenes.push_back(std::move(s));
-  return scenes;
-}
-
 std::string joined(int argc, char** argv) {
   std::string text = "./plumbline";
   for (int i = 1; i < argc; ++i) text += " " + quoted(argv[i]);
@@ -107,45 +98,6 @@ struct Arguments {
   /// holds up to 1.5 GB of memory, or what its scene takes if that is more (case_runner.cpp).
   int jobs = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, 4U));
 };
-
-constexpr std::uint64_t kNightlyCaptured = 1 << 16;  ///< rays of a picture of each scene
-constexpr std::uint64_t kNightlyPaired = 24'000;     ///< samples of each scene and effect, followed step by step
-
-/// The catalogue over `scenes` with `rays` per family and scene, or as many as make `total` in all on scenes without
-/// transforms.
-CatalogueOptions catalogue_options(std::vector<ListedScene> scenes, std::uint64_t rays, std::uint64_t total) {
-  CatalogueOptions options;
-  const auto plain = static_cast<std::uint64_t>(
-      std::count_if(scenes.begin(), scenes.end(), [](const ListedScene& s) { return !s.has_nodes; }));
-  if (rays > 0) options.hits_rays = options.transform_rays = options.profile_samples = options.captured_rays = rays;
-  if (rays == 0 && total > 0) options.hits_rays = total / (plain * ray_families().size()) + 1;
-  options.scenes = std::move(scenes);
-  return options;
-}
-
-/// Of all scenes that are there.
-CatalogueOptions whole_catalogue(std::uint64_t rays, std::uint64_t total) {
-  CatalogueOptions options = catalogue_options(every_scene(), rays, total);
-  if (rays == 0 && total > 0) options.profile_samples = kNightlyProfile;
-  options.pictures = effect_scenes();
-  options.whole = true;
-  if (rays == 0 && total > 0) options.captured_rays = kNightlyCaptured, options.paired_samples = kNightlyPaired;
-  return options;
-}
-
-/// What `run FEATURE...` asks: all scenes that come with Plumbline, at a depth that ends within a minute for any one
-/// feature. Scenes of the data folder and depth are the nightly's.
-CatalogueOptions conformance_catalogue() {
-  std::vector<ListedScene> scenes = own_scenes();
-  for (ListedScene& s : placed_scenes()) scenes.push_back(std::move(s));
-  CatalogueOptions options = catalogue_options(std::move(scenes), 0, 0);
-  options.pictures = effect_scenes();
-  options.whole = true;
-  options.few_frames = true;
-  options.transform_rays = 1 << 12;
-  options.moved_rays = 1 << 8;
-  return options;
-}
 
 bool names_features(const std::vector<std::string>& patterns) {
   return !patterns.empty() && std::all_of(patterns.begin(), patterns.end(), [](const std::string& pattern) {
@@ -191,7 +143,7 @@ int check(const Arguments& a, RunOptions options) {
   if (std::min(pictures.width, pictures.height) < 8 || std::max(pictures.width, pictures.height) > 1024)
     throw InputError("--picture-size takes sides of 8 to 1024 pixels; it is '" + a.picture_size + "'");
   pictures.frames = a.picture_frames;
-  CatalogueOptions catalogue = catalogue_options({look_at(a.scene)}, a.rays ? a.rays : 1 << 16, 0);
+  CatalogueOptions catalogue = scene_catalogue(look_at(a.scene), a.rays ? a.rays : 1 << 16);
   if (a.no_pictures) {
     catalogue.paired_samples = 0;
   } else {
@@ -294,7 +246,7 @@ int dispatch(int argc, char** argv) {
   add_history_commands(app, commands);
   add_faults_command(app, commands);
   add_help_commands(app, commands);
-  add_list_command(app, commands, [] { return whole_catalogue(0, 0); });
+  add_list_command(app, commands, [] { return run_catalogue(); });
 
   CLI::App* bench_sub = app.add_subcommand("bench", "Measure speed against Embree, bakes and variants");
   bench_sub->add_option("--json", a.json, "Write the metrics to this file too");
@@ -330,12 +282,12 @@ int dispatch(int argc, char** argv) {
     if (nightly_seed->count() == 0) a.seed = seed_of_today();
     if (nightly_budget->count() == 0) a.budget = "18m";
     if (a.budget == "none") a.budget.clear();
-    return exit_status(run(a, options, whole_catalogue(a.rays, kNightlyRays)));
+    return exit_status(run(a, options, nightly_catalogue(a.rays)));
   }
   if (*run_sub) {
     if (run_sub->get_option("--history")->count() == 0) a.history = "none";
-    return exit_status(run(
-        a, options, a.rays == 0 && names_features(a.patterns) ? conformance_catalogue() : whole_catalogue(a.rays, 0)));
+    return exit_status(
+        run(a, options, a.rays == 0 && names_features(a.patterns) ? conformance_catalogue() : run_catalogue(a.rays)));
   }
   if (*check_sub) return check(a, options);
   for (const auto& [sub, act] : commands)

@@ -110,7 +110,7 @@ class Tester {
     add(names_[d] + ": Kolmogorov-Smirnov", test.kolmogorov_p,
         lost.empty() ? "D = " + value_text(test.kolmogorov) : lost);
     add(names_[d] + ": Anderson-Darling", test.anderson_p, lost.empty() ? "A^2 = " + value_text(test.anderson) : lost);
-    add(names_[d] + ": chi-square", joint_p({&u}, u.size(), kClasses), counted(kClasses, "class"));
+    add(names_[d] + ": chi-square", joint_p({&u}, u.size(), kClasses), std::to_string(kClasses) + " classes");
     std::vector<double> away(kClasses - 1, 0.0);
     for (const double v : u)
       if (std::isfinite(v))

@@ -73,6 +73,6 @@ std::vector<Case> density_cases(const PerturbationSource& source);
 /// The reference's own: its generator and its formulas.
 PerturbationSource reference_perturbations();
 /// The tracer's: what its shaders have used in a picture, with one source of random numbers.
-PerturbationSource tracer_perturbations(RandomKind random);
+PerturbationSource tracer_perturbations(RandomKind random, const std::vector<ShaderPatch>& patches = {});
 
 }  // namespace plumbline

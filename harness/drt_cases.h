@@ -23,8 +23,8 @@ struct DrtOptions {
 };
 
 /// `drt.independent.<effect>.<scene>.<model>` for each effect alone, on the scene that shows it best;
-/// `drt.pairs.<effect>_<effect>.<scene>` for all ten pairs and `drt.all.<scene>.<model>` on sphereflake 3, Figure 1 and
-/// those of a textured mesh and a Cornell box that are present; `drt.convergence.<effect>.<scene>`.
+/// `drt.pairs.<effect>_<effect>.<scene>` for all ten pairs and `drt.all.<scene>.<model>` on sphereflake 3, Figure 1,
+/// textured blocks in transforms and a Cornell box; `drt.convergence.<effect>.<scene>`.
 std::vector<Case> independent_cases(const EngineUnderTest& engine, const DrtOptions& options = {});
 
 /// `drt.model_bias.<effect>.<scene>`: how far `paper` is from `physical`, by the reference.

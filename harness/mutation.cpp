@@ -160,20 +160,17 @@ class ShaderCache {
   ShaderCache() {
     ::setenv("LP_NUM_THREADS", "1", 0);  // the processes share the cores already
     if (std::getenv("MESA_SHADER_CACHE_DIR") != nullptr) return;
-    folder_ = std::filesystem::temp_directory_path() / ("plumbline-mutants-" + std::to_string(::getpid()));
-    ::setenv("MESA_SHADER_CACHE_DIR", folder_.c_str(), 0);
+    folder_.emplace("plumbline-mutants");
+    ::setenv("MESA_SHADER_CACHE_DIR", folder_->path().c_str(), 0);
   }
   ~ShaderCache() {
-    if (folder_.empty()) return;
-    ::unsetenv("MESA_SHADER_CACHE_DIR");
-    std::error_code ignored;
-    std::filesystem::remove_all(folder_, ignored);
+    if (folder_) ::unsetenv("MESA_SHADER_CACHE_DIR");
   }
   ShaderCache(const ShaderCache&) = delete;
   ShaderCache& operator=(const ShaderCache&) = delete;
 
  private:
-  std::filesystem::path folder_;
+  std::optional<ScratchFolder> folder_;
 };
 
 /// Asks for all mutants in turn, several at once, each in a process that has rehearsed. A mutant that hangs or crashes

@@ -78,16 +78,25 @@ void record_pictures(CaseContext& context, const Case& self, const PairedTally& 
       "settle.");
 }
 
-void run_paired(CaseContext& context, const Case& self, CaseRecord& record, PairedEffects effects) {
+/// What a case asks of a scene.
+struct PairedAsked {
+  PairedEffects effects = PairedEffects::all;
+  RandomKind random = RandomKind::hash;
+  std::vector<ShaderPatch> patches;
+};
+
+void run_paired(CaseContext& context, const Case& self, CaseRecord& record, const PairedAsked& asked) {
   // One frame of each model at least; where things move each has a time of its own.
   const auto samples = static_cast<std::uint64_t>(kWidth) * kHeight;
   PairedSettings settings;
   settings.width = kWidth, settings.height = kHeight;
   settings.frames = static_cast<std::uint32_t>(std::max<std::uint64_t>(1, self.rays / (2 * samples)));
   settings.seed = case_seed(context.seed, self.name);
+  settings.random = asked.random;
+  settings.patches = asked.patches;
   PairedTally tally;
   for (const Effects::Model model : {Effects::Model::paper, Effects::Model::physical}) {
-    const Scene scene = with_effects(context.session.stage(self.spec), effects, model);
+    const Scene scene = with_effects(context.session.stage(self.spec), asked.effects, model);
     compare_picture(context.session, self.spec, scene, settings, tally);
     context.progress(model == Effects::Model::paper ? 0.5 : 1.0);
   }
@@ -111,28 +120,36 @@ void run_paired(CaseContext& context, const Case& self, CaseRecord& record, Pair
 
 std::string feature_of(PairedEffects effects) { return effects == PairedEffects::all ? "combined" : name_of(effects); }
 
-Case paired_case(const ListedScene& scene, PairedEffects effects, std::uint64_t samples) {
-  Case c = scene_case(
-      "drt.paired." + std::string(name_of(effects)) + "." + scene.name, feature_of(effects), scene, "7",
-      "Given the tracer's own random numbers, every step of every sample is what the reference computes, within what "
-      "rounding may do; effects: " +
-          std::string(name_of(effects)) + ", in both models.");
+Case paired_case(const ListedScene& scene, const PairedAsked& asked, std::uint64_t samples) {
+  const bool is_hash = asked.random == RandomKind::hash;
+  const std::string effects = name_of(asked.effects), source = is_hash ? "" : std::string(name_of(asked.random)) + ".";
+  Case c = scene_case("drt.paired." + source + effects + "." + scene.name, feature_of(asked.effects), scene, "7",
+                      "Given the tracer's own random numbers" +
+                          std::string(is_hash                           ? ""
+                                      : asked.random == RandomKind::md5 ? " (by MD5)"
+                                                                        : " (of the image of noise)") +
+                          ", every step of every sample is what the reference computes, within what rounding may do; "
+                          "effects: " +
+                          effects + ", in both models.");
   c.rays = samples;
-  c.run = [effects](CaseContext& context, const Case& self, CaseRecord& record) {
-    run_paired(context, self, record, effects);
+  c.run = [asked](CaseContext& context, const Case& self, CaseRecord& record) {
+    run_paired(context, self, record, asked);
   };
   return c;
 }
 
 }  // namespace
 
-std::vector<Case> paired_cases(const ListedScene& scene, std::uint64_t samples, bool few) {
+std::vector<Case> paired_cases(const ListedScene& scene, const PairedOptions& options) {
   std::vector<Case> cases;
   for (const PairedEffects effects : kPairedEffects) {
-    if (few && effects != PairedEffects::none && effects != PairedEffects::all) continue;
+    if (options.few && effects != PairedEffects::none && effects != PairedEffects::all) continue;
     if (effects == PairedEffects::motion_blur && !scene.moves) continue;
-    cases.push_back(paired_case(scene, effects, samples));
+    cases.push_back(paired_case(scene, {effects, RandomKind::hash, options.patches}, options.samples));
   }
+  if (options.few) return cases;
+  for (const RandomKind random : {RandomKind::md5, RandomKind::texture})
+    cases.push_back(paired_case(scene, {PairedEffects::all, random, options.patches}, options.samples));
   return cases;
 }
 

@@ -38,6 +38,7 @@ void compare_picture(Session& session, const std::string& spec, const Scene& sce
   asked.width = settings.width, asked.height = settings.height;
   asked.frames = settings.frames;
   asked.seed = settings.seed;
+  asked.random = settings.random;
   asked.patches = settings.patches;
   Renderer renderer(settings.context != nullptr ? *settings.context : session.context(), scene, asked);
   Scene seen = scene;

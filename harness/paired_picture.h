@@ -25,6 +25,7 @@ struct PairedSettings {
   int width = 32, height = 24;  ///< pixels
   std::uint32_t frames = 1;
   std::uint64_t seed = 1;
+  RandomKind random = RandomKind::hash;
   std::vector<ShaderPatch> patches;  ///< faults on purpose
   GlContext* context = nullptr;      ///< that the tracer renders in; null: the session's
 };

@@ -69,13 +69,13 @@ class Collector final : public RenderTap {
 
 }  // namespace
 
-PerturbationSource tracer_perturbations(RandomKind random) {
+PerturbationSource tracer_perturbations(RandomKind random, const std::vector<ShaderPatch>& patches) {
   PerturbationSource source;
   source.name = std::string("tracer_") + name_of(random);
   // Three products and a cosine that is off by 2^-23 (shaders/elementary.glsl).
   source.rounding = 0x1p-21;
-  source.take = [random](CaseContext& context, const std::string& effect, Effects::Model model, std::uint64_t seed,
-                         int width, int height, std::uint32_t frames) {
+  source.take = [random, patches](CaseContext& context, const std::string& effect, Effects::Model model,
+                                  std::uint64_t seed, int width, int height, std::uint32_t frames) {
     PerturbationGrid grid{width, height, frames, {}};
     grid.values.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * frames);
     if (effect == "motion_blur") {
@@ -89,6 +89,7 @@ PerturbationSource tracer_perturbations(RandomKind random) {
     settings.width = width, settings.height = height;
     settings.seed = seed;
     settings.random = random;
+    settings.patches = patches;
     settings.effects = Effects{};
     settings.effects->model = model;
     settings.effects->depth = 1;

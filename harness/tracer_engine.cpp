@@ -29,7 +29,29 @@ class TracerEngine final : public PictureEngine {
   double time_;
 };
 
+class EditedEngine final : public PictureEngine {
+ public:
+  EditedEngine(const MakePictureEngine& make, Scene scene, const PictureSettings& settings)
+      : scene_(std::move(scene)), engine_(make(scene_, settings)) {}
+  const std::string& name() const override { return engine_->name(); }
+  PictureMoments render(std::uint32_t first_frame, std::uint32_t frames) override {
+    return engine_->render(first_frame, frames);
+  }
+
+ private:
+  const Scene scene_;
+  const std::unique_ptr<PictureEngine> engine_;
+};
+
 }  // namespace
+
+MakePictureEngine edited_engines(MakePictureEngine make, std::function<void(Scene&)> edit) {
+  return [make = std::move(make), edit = std::move(edit)](const Scene& scene, const PictureSettings& settings) {
+    Scene edited = scene;
+    edit(edited);
+    return std::make_unique<EditedEngine>(make, std::move(edited), settings);
+  };
+}
 
 MakePictureEngine tracer_engines(RenderSettings own) {
   return [own = std::move(own)](const Scene& scene, const PictureSettings& settings) {

@@ -81,4 +81,14 @@ void write_text(const fs::path& file, std::string_view text) {
   refuse(std::strerror(failure));
 }
 
+ScratchFolder::ScratchFolder(const std::string& stem)
+    : path_(std::filesystem::temp_directory_path() / (stem + "-" + std::to_string(::getpid()))) {
+  std::filesystem::create_directories(path_);
+}
+
+ScratchFolder::~ScratchFolder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+}
+
 }  // namespace plumbline

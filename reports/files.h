@@ -19,4 +19,18 @@ void write_text(const std::filesystem::path& file, std::string_view text);
 /// Throws EnvironmentError where the folder cannot be made.
 void make_folder(const std::filesystem::path& folder);
 
+/// A folder for what nobody keeps, among the system's temporary ones; removed with all that is in it.
+class ScratchFolder {
+ public:
+  /// `stem` begins its name.
+  explicit ScratchFolder(const std::string& stem);
+  ~ScratchFolder();
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
 }  // namespace plumbline

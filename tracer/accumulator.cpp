@@ -38,10 +38,10 @@ std::size_t area(int width, int height) { return static_cast<std::size_t>(width)
 
 }  // namespace
 
-ShaderText accumulate_shader(GlslDialect dialect) {
+ShaderText accumulate_shader(GlslDialect dialect, std::span<const ShaderPatch> patches) {
   static constexpr std::array<std::string_view, 3> kFiles{"pass_constants.glsl", "exact.glsl", "accumulate.frag.glsl"};
   const std::array<ShaderDefine, 1> defines{ShaderDefine{"PASS_CONSTANT", "flat in"}};
-  return compose_shader(kFiles, defines, {}, dialect);
+  return compose_shader(kFiles, defines, patches, dialect);
 }
 
 Accumulator::Targets::Targets(GlContext& context, int width, int height) {
@@ -49,9 +49,11 @@ Accumulator::Targets::Targets(GlContext& context, int width, int height) {
   framebuffer = GlFramebuffer(context, textures.data(), static_cast<int>(textures.size()));
 }
 
-Accumulator::Accumulator(GlContext& context, int width, int height)
+Accumulator::Accumulator(GlContext& context, int width, int height, std::span<const ShaderPatch> patches)
     : context_(&context), width_(width), height_(height) {
-  program_ = GlProgram(context, link_program(context, probe_vertex_shader(), accumulate_shader()));
+  const std::vector<ShaderPatch> own = patches_for(accumulate_shader(), patches);
+  program_ =
+      GlProgram(context, link_program(context, probe_vertex_shader(), accumulate_shader(GlslDialect::glsl_330, own)));
 }
 
 void Accumulator::clear() { tiles_.clear(); }

@@ -22,7 +22,7 @@ struct AccumulatedMoments {
 };
 
 /// The fragment shader that adds samples to sums.
-ShaderText accumulate_shader(GlslDialect dialect = GlslDialect::glsl_330);
+ShaderText accumulate_shader(GlslDialect dialect = GlslDialect::glsl_330, std::span<const ShaderPatch> patches = {});
 
 /// The mean is within 2^-24 of the mean of |samples|, or 2^-110, whatever the number of frames: a NaN, or infinities of
 /// both signs, make it NaN, and infinity stays. The variance is within 2^-22 of itself where samples differ by 2^-50 to
@@ -30,8 +30,8 @@ ShaderText accumulate_shader(GlslDialect dialect = GlslDialect::glsl_330);
 /// finite. Neither depends on how frames are put into batches.
 class Accumulator {
  public:
-  /// Of a picture of this size, pixels.
-  Accumulator(GlContext& context, int width, int height);
+  /// Of a picture of this size, pixels. `patches`: those of other shaders are left out.
+  Accumulator(GlContext& context, int width, int height, std::span<const ShaderPatch> patches = {});
   /// Forgets all samples.
   void clear();
   /// Adds a batch of samples, as shaders/item.glsl lays it out in an RGBA32F texture. The fourth component is above 0

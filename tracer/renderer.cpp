@@ -126,7 +126,7 @@ struct Renderer::Impl {
         counted(c),
         told(c),
         count(c),
-        accumulator(c, settings.width, settings.height),
+        accumulator(c, settings.width, settings.height, settings.patches),
         time_now(settings.time) {
     if (moves) settings.bundle = {};
     const Effects& effects = *settings.effects;
@@ -162,6 +162,7 @@ struct Renderer::Impl {
     add(probe_fragment_shader(of_walk));
     of_walk.bundle = settings.bundle.rays;
     add(probe_fragment_shader(of_walk));
+    add(accumulate_shader());
     for (const RenderPass pass : {RenderPass::camera, RenderPass::light, RenderPass::add_light, RenderPass::scatter,
                                   RenderPass::channels, RenderPass::count_rays})
       add(render_shader(pass, variant));
