@@ -54,8 +54,6 @@ std::string short_text(const std::string& text) {
 int seed_picture_faults(const FaultsArguments& a) {
   std::random_device device;
   const std::uint64_t seed = a.is_seeded ? a.mutation.seed : (std::uint64_t{device()} << 32 | device()) >> 1;
-  std::printf("seed %llu%s\n", static_cast<unsigned long long>(seed),
-              a.is_seeded ? "" : ", drawn for this run; --seed repeats it");
   bool all = true;
   int caught = 0, faults = 0;
   Progress progress;
@@ -63,7 +61,11 @@ int seed_picture_faults(const FaultsArguments& a) {
       seed, a.names, [&](double share, const std::string& what) { progress.show(share, what); },
       [&](const RendererFaultResult& r) {
         progress.clear();
-        const bool is_sound = r.name == "sound", is_right = r.caught() != is_sound;
+        const bool is_sound = r.name == "sound";
+        if (is_sound)
+          std::printf("seed %llu%s\n", static_cast<unsigned long long>(seed),
+                      a.is_seeded ? "" : ", drawn for this run; --seed repeats it");
+        const bool is_right = r.caught() != is_sound;
         all = all && is_right;
         if (!is_sound) ++faults, caught += r.caught();
         const char* verdict = is_sound ? (is_right ? "passes" : "ALARM") : is_right ? "caught" : "MISSED";

@@ -51,6 +51,7 @@ const std::map<std::string, Examples>& all_examples() {
       {"bench", {{"plumbline bench --quick --json bench.json", "speed against Embree"}}},
       {"faults",
        {{"plumbline faults", "what catches each fault on purpose"},
+        {"plumbline faults --pictures --fault aperture", "a lens 3 % too wide: which cases of the nightly see it"},
         {"plumbline faults --mutants triangle.glsl", "every operator, constant and swizzle of a shader changed"}}},
       {"completion", {{"plumbline completion > ~/.local/share/bash-completion/completions/plumbline", "for bash"}}},
       {"manual", {{"plumbline manual > plumbline.1", "then: man ./plumbline.1"}}},

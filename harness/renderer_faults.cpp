@@ -7,6 +7,7 @@
 
 #include "harness/clock.h"
 #include "harness/depths.h"
+#include "harness/help.h"
 #include "reports/files.h"
 #include "scenes/error.h"
 
@@ -125,11 +126,19 @@ void run_renderer_faults(std::uint64_t seed, const std::vector<std::string>& onl
                          const std::function<void(double, const std::string&)>& progress,
                          const std::function<void(const RendererFaultResult&)>& ended) {
   std::vector<SeededRendererFault> asked;
-  std::set<std::string> names(only.begin(), only.end());
-  for (SeededRendererFault& fault : renderer_faults())
-    if (only.empty() || names.erase(fault.name) > 0) asked.push_back(std::move(fault));
-  if (!names.empty())
-    throw InputError("there is no fault '" + *names.begin() + "'; `plumbline faults --pictures` seeds them all");
+  std::set<std::string> known;
+  for (SeededRendererFault& fault : renderer_faults()) {
+    known.insert(fault.name);
+    if (only.empty() || std::find(only.begin(), only.end(), fault.name) != only.end())
+      asked.push_back(std::move(fault));
+  }
+  for (const std::string& name : only)
+    if (!known.contains(name)) {
+      const std::string meant = words_alike(name, known);
+      throw InputError(
+          "there is no fault '" + name + "'; " +
+          (meant.empty() ? "`plumbline faults --pictures` seeds them all" : "did you mean " + meant + "?"));
+    }
   SeededRendererFault sound{"sound", "the renderer as it is", {}, {}};
   std::set<std::string> cases;
   for (const SeededRendererFault& fault : asked) cases.insert(fault.cases.begin(), fault.cases.end());

@@ -54,8 +54,8 @@ TEST_CASE("The cases of a catalogue with a fault see it, and those of a sound on
 
 TEST_CASE("A fault that does not exist is refused by name", "[renderer_faults]") {
   const auto nothing = [](auto&&...) {};
-  CHECK_THROWS_WITH(run_renderer_faults(1, {"light_colour"}, nothing, nothing),
-                    Catch::Matchers::Contains("light_colour") && Catch::Matchers::Contains("--pictures"));
+  CHECK_THROWS_WITH(run_renderer_faults(1, {"colour"}, nothing, nothing),
+                    Catch::Matchers::Contains("colour") && Catch::Matchers::Contains("--pictures"));
   CHECK_THROWS_AS(renderer_patch("noise_kept"), InputError);
 }
 
