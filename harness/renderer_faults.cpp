@@ -15,6 +15,8 @@ namespace {
 
 // What shows an effect best: the paired comparison, the independent one, densities.
 const std::string kSoft = "soft_shadow.soft_shadow", kLens = "dof.dof", kGlossy = "glossy.glossy";
+// Faults of random numbers are put into both sources of them, and the image of noise must show its own.
+const std::string kNoiseImage = "drt.densities.tracer_texture.soft_shadow.paper";
 
 RendererFaultResult witnessed(const SeededRendererFault& fault, std::uint64_t seed, const std::filesystem::path& out,
                               const std::function<void(double)>& progress) {
@@ -77,10 +79,12 @@ std::vector<SeededRendererFault> renderer_faults() {
   add("noise_kept", "the noise is not renewed: every frame has the numbers of the first",
       {{random, "key + uvec4(pixel, frame, 0u, 0u)", "key + uvec4(pixel, 0u, 0u, 0u)"},
        {random, "uint layer = frame - uint(u_random.w);", "uint layer = 0u;"}},
-      {independent(kSoft + ".paper"), densities("soft_shadow.paper")});
+      {independent(kSoft + ".paper"), densities("soft_shadow.paper"), independent("texture." + kSoft + ".paper"),
+       kNoiseImage});
   add("neighbours_share", "pairs of neighbouring pixels use the same random numbers",
-      {{random, "key + uvec4(pixel, frame, 0u, 0u)", "key + uvec4(pixel & ~1u, frame, 0u, 0u)"}},
-      {independent(kSoft + ".paper"), densities("soft_shadow.paper")});
+      {{random, "key + uvec4(pixel, frame, 0u, 0u)", "key + uvec4(pixel & ~1u, frame, 0u, 0u)"},
+       {random, "return (pixel + which * NOISE_STRIDE)", "return ((pixel & ~1u) + which * NOISE_STRIDE)"}},
+      {independent(kSoft + ".paper"), densities("soft_shadow.paper"), kNoiseImage});
   add("half_pixel", "samples are shifted by half a pixel", {{camera, "(used.xy - 0.5)", "used.xy"}},
       {paired("aa.bumped_ground"), independent("aa.bumped_ground.paper"), "drt.closed_form.aa.slanted_bars.paper"});
   faults.push_back({"half_shutter",
