@@ -56,6 +56,7 @@ int seed_picture_faults(const FaultsArguments& a) {
   const std::uint64_t seed = a.is_seeded ? a.mutation.seed : (std::uint64_t{device()} << 32 | device()) >> 1;
   std::printf("seed %llu%s\n", static_cast<unsigned long long>(seed),
               a.is_seeded ? "" : ", drawn for this run; --seed repeats it");
+  std::fflush(stdout);  // A run that is stopped can be repeated too.
   bool all = true;
   int caught = 0, faults = 0;
   Progress progress;
