@@ -54,20 +54,21 @@ std::string short_text(const std::string& text) {
 int seed_picture_faults(const FaultsArguments& a) {
   std::random_device device;
   const std::uint64_t seed = a.is_seeded ? a.mutation.seed : (std::uint64_t{device()} << 32 | device()) >> 1;
+  std::vector<SeededRendererFault> faults = renderer_faults(a.names);
+  std::printf("seed %llu%s\n", static_cast<unsigned long long>(seed),
+              a.is_seeded ? "" : ", drawn for this run; --seed repeats it");
+  std::fflush(stdout);
   bool all = true;
-  int caught = 0, faults = 0;
+  int caught = 0;
+  const std::size_t count = faults.size();
   Progress progress;
   run_renderer_faults(
-      seed, a.names, [&](double share, const std::string& what) { progress.show(share, what); },
+      seed, std::move(faults), [&](double share, const std::string& what) { progress.show(share, what); },
       [&](const RendererFaultResult& r) {
         progress.clear();
-        const bool is_sound = r.name == "sound";
-        if (is_sound)
-          std::printf("seed %llu%s\n", static_cast<unsigned long long>(seed),
-                      a.is_seeded ? "" : ", drawn for this run; --seed repeats it");
-        const bool is_right = r.caught() != is_sound;
+        const bool is_sound = r.name == "sound", is_right = r.caught() != is_sound;
         all = all && is_right;
-        if (!is_sound) ++faults, caught += r.caught();
+        if (!is_sound) caught += r.caught();
         const char* verdict = is_sound ? (is_right ? "passes" : "ALARM") : is_right ? "caught" : "MISSED";
         std::printf("%-17s %-7s %5.1f s  %s\n", r.name.c_str(), verdict, r.seconds, r.what.c_str());
         for (const RendererFaultWitness& w : r.witnesses)
@@ -76,8 +77,9 @@ int seed_picture_faults(const FaultsArguments& a) {
                         short_text(w.message).c_str());
         std::fflush(stdout);
       });
-  std::printf("%d of %d faults caught at the nightly's depth%s\n", caught, faults,
-              all || caught < faults ? "" : ", but the sound renderer raised an alarm");
+  const bool alarmed = !all && static_cast<std::size_t>(caught) == count;
+  std::printf("%d of %zu faults caught at the nightly's depth%s\n", caught, count,
+              alarmed ? ", but the sound renderer raised an alarm" : "");
   return all ? 0 : 1;
 }
 

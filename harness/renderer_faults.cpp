@@ -16,6 +16,8 @@ namespace {
 
 // What shows an effect best: the paired comparison, the independent one, densities.
 const std::string kSoft = "soft_shadow.soft_shadow", kLens = "dof.dof", kGlossy = "glossy.glossy";
+// Faults of random numbers are put into both sources of them, and the image of noise must show its own.
+const std::string kNoiseImage = "drt.densities.tracer_texture.soft_shadow.paper";
 
 RendererFaultResult witnessed(const SeededRendererFault& fault, std::uint64_t seed, const std::filesystem::path& out,
                               const std::function<void(double)>& progress) {
@@ -44,7 +46,7 @@ bool RendererFaultResult::caught() const {
   return std::any_of(witnesses.begin(), witnesses.end(), [](const RendererFaultWitness& w) { return w.caught; });
 }
 
-std::vector<SeededRendererFault> renderer_faults() {
+std::vector<SeededRendererFault> renderer_faults(const std::vector<std::string>& only) {
   const auto paired = [](const std::string& what) { return "drt.paired." + what; };
   const auto independent = [](const std::string& what) { return "drt.independent." + what; };
   const auto densities = [](const std::string& what) { return "drt.densities.tracer_hash." + what; };
@@ -78,10 +80,12 @@ std::vector<SeededRendererFault> renderer_faults() {
   add("noise_kept", "the noise is not renewed: every frame has the numbers of the first",
       {{random, "key + uvec4(pixel, frame, 0u, 0u)", "key + uvec4(pixel, 0u, 0u, 0u)"},
        {random, "uint layer = frame - uint(u_random.w);", "uint layer = 0u;"}},
-      {independent(kSoft + ".paper"), densities("soft_shadow.paper")});
+      {independent(kSoft + ".paper"), densities("soft_shadow.paper"), independent("texture." + kSoft + ".paper"),
+       kNoiseImage});
   add("neighbours_share", "pairs of neighbouring pixels use the same random numbers",
-      {{random, "key + uvec4(pixel, frame, 0u, 0u)", "key + uvec4(pixel & ~1u, frame, 0u, 0u)"}},
-      {independent(kSoft + ".paper"), densities("soft_shadow.paper")});
+      {{random, "key + uvec4(pixel, frame, 0u, 0u)", "key + uvec4(pixel & ~1u, frame, 0u, 0u)"},
+       {random, "return (pixel + which * NOISE_STRIDE)", "return ((pixel & ~1u) + which * NOISE_STRIDE)"}},
+      {independent(kSoft + ".paper"), densities("soft_shadow.paper"), kNoiseImage});
   add("half_pixel", "samples are shifted by half a pixel", {{camera, "(used.xy - 0.5)", "used.xy"}},
       {paired("aa.bumped_ground"), independent("aa.bumped_ground.paper"), "drt.closed_form.aa.slanted_bars.paper"});
   faults.push_back({"half_shutter",
@@ -102,7 +106,7 @@ std::vector<SeededRendererFault> renderer_faults() {
   add("not_mirrored", "a reflected ray that goes into the surface is not mirrored above it",
       {{scatter, "inwards < 0.0 ? mirrored - 2.0 * inwards * s.facing : mirrored", "mirrored"}},
       {paired("glossy.bumped_ground"), independent(kGlossy + ".paper"), "drt.closed_form.glossy.grazing.paper"});
-  add("eight_bits", "frames are averaged in 8 bits",
+  add("eight_bits", "frames are kept in 8 bits before they are averaged",
       {{"accumulate.frag.glsl",
         "  return texelFetch(u_samples, ivec2(pixel.x * lanes + i % lanes, i / lanes * u_layout.y + pixel.y), 0);",
         "  vec4 given = texelFetch(u_samples, ivec2(pixel.x * lanes + i % lanes, i / lanes * u_layout.y + pixel.y), "
@@ -113,6 +117,17 @@ std::vector<SeededRendererFault> renderer_faults() {
       {{scatter, "bool reflects = s.is_hit && s.ks > 0.0;",
         "bool reflects = s.is_hit && s.ks > 0.0 && u_sample.y < 16;"}},
       {"drt.independent.bounces.mirrors.paper"});
+  std::set<std::string> known;
+  for (const SeededRendererFault& fault : faults) known.insert(fault.name);
+  for (const std::string& name : only)
+    if (!known.contains(name)) {
+      const std::string meant = words_alike(name, known);
+      throw InputError(
+          "there is no fault '" + name + "'; " +
+          (meant.empty() ? "`plumbline faults --pictures` seeds them all" : "did you mean " + meant + "?"));
+    }
+  if (!only.empty())
+    std::erase_if(faults, [&](const auto& f) { return std::find(only.begin(), only.end(), f.name) == only.end(); });
   return faults;
 }
 
@@ -122,33 +137,19 @@ ShaderPatch renderer_patch(const std::string& name) {
   throw InputError("no fault of one patch is called '" + name + "'");
 }
 
-void run_renderer_faults(std::uint64_t seed, const std::vector<std::string>& only,
+void run_renderer_faults(std::uint64_t seed, std::vector<SeededRendererFault> faults,
                          const std::function<void(double, const std::string&)>& progress,
                          const std::function<void(const RendererFaultResult&)>& ended) {
-  std::vector<SeededRendererFault> asked;
-  std::set<std::string> known;
-  for (SeededRendererFault& fault : renderer_faults()) {
-    known.insert(fault.name);
-    if (only.empty() || std::find(only.begin(), only.end(), fault.name) != only.end())
-      asked.push_back(std::move(fault));
-  }
-  for (const std::string& name : only)
-    if (!known.contains(name)) {
-      const std::string meant = words_alike(name, known);
-      throw InputError(
-          "there is no fault '" + name + "'; " +
-          (meant.empty() ? "`plumbline faults --pictures` seeds them all" : "did you mean " + meant + "?"));
-    }
   SeededRendererFault sound{"sound", "the renderer as it is", {}, {}};
   std::set<std::string> cases;
-  for (const SeededRendererFault& fault : asked) cases.insert(fault.cases.begin(), fault.cases.end());
+  for (const SeededRendererFault& fault : faults) cases.insert(fault.cases.begin(), fault.cases.end());
   sound.cases.assign(cases.begin(), cases.end());
-  asked.insert(asked.begin(), std::move(sound));
+  faults.insert(faults.begin(), std::move(sound));
 
   double all = 0.0, done = 0.0;
-  for (const SeededRendererFault& fault : asked) all += static_cast<double>(fault.cases.size());
+  for (const SeededRendererFault& fault : faults) all += static_cast<double>(fault.cases.size());
   const ScratchFolder folder("plumbline-faults");
-  for (const SeededRendererFault& fault : asked) {
+  for (const SeededRendererFault& fault : faults) {
     const auto count = static_cast<double>(fault.cases.size());
     ended(witnessed(fault, seed, folder.path(),
                     [&](double share) { progress((done + share * count) / all, fault.name); }));

@@ -19,8 +19,8 @@ struct SeededRendererFault {
   std::vector<std::string> cases;  ///< of the nightly; one of them must fail
 };
 
-/// Every fault, in a fixed order.
-std::vector<SeededRendererFault> renderer_faults();
+/// Every fault, in a fixed order; or those of these names. Throws InputError for a name that no fault has.
+std::vector<SeededRendererFault> renderer_faults(const std::vector<std::string>& only = {});
 /// The only patch of the fault of this name.
 ShaderPatch renderer_patch(const std::string& name);
 
@@ -37,9 +37,9 @@ struct RendererFaultResult {
   bool caught() const;
 };
 
-/// All cases of the faults on the renderer as it is ("sound": none may fail), then fault by fault. `only`: names of
-/// faults; empty: all. Each result is handed to `ended` as it comes. Throws InputError for a name that no fault has.
-void run_renderer_faults(std::uint64_t seed, const std::vector<std::string>& only,
+/// All cases of the faults on the renderer as it is ("sound": none may fail), then fault by fault. Each result is
+/// handed to `ended` as it comes.
+void run_renderer_faults(std::uint64_t seed, std::vector<SeededRendererFault> faults,
                          const std::function<void(double, const std::string&)>& progress,
                          const std::function<void(const RendererFaultResult&)>& ended);
 
