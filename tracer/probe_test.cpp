@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The production shader against brute force, bit for bit, and against double precision, within derived bounds.
-#include "tracer/pass.h"
 #include "tracer/probe.h"
+#include "tracer/pass.h"
 
 #include <array>
 #include <catch2/catch.hpp>
@@ -179,6 +179,53 @@ TEST_CASE("far rays are moved near the scene without losing precision", "[probe]
   const auto hits = traced(image, {ray});
   REQUIRE(hits[0].kind == HitKind::hit);
   CHECK(hits[0].t == Approx(3e8).epsilon(1e-6));
+}
+
+// Floats hold few lines that start beyond 10^8 radii and still meet the scene: those through the world's origin, from
+// which a power of two times the direction takes nothing. Moving such a ray near takes several steps, since each misses
+// its aim by 2^-21 of its length; the line is the same as from near by, and so is the hit.
+TEST_CASE("rays from as far as floats reach hit as from near by", "[probe]") {
+  const Scene scene = soup(150, 50, 9);
+  const GeometryImage image = bake(scene);
+  std::vector<Ray> near(2000);
+  for (std::size_t i = 0; i < near.size(); ++i) {
+    const glm::vec3 direction(Random(5, 3, i).direction());
+    near[i] = {-8.0f * direction, direction};
+  }
+  const std::vector<Hit> expected = traced(image, near);
+  const auto hit = [](const Hit& h) { return h.kind == HitKind::hit; };
+  REQUIRE(std::count_if(expected.begin(), expected.end(), hit) > 500);
+  const auto from = [&](int power) {
+    std::vector<Ray> rays = near;
+    for (Ray& ray : rays) ray.origin *= std::ldexp(1.0f, power - 3);
+    return rays;
+  };
+  const auto apart = [&](const std::vector<Hit>& hits) {
+    std::size_t differing = 0;
+    for (std::size_t i = 0; i < hits.size(); ++i)
+      differing += hits[i].kind != expected[i].kind || hits[i].primitive != expected[i].primitive;
+    return differing;
+  };
+  for (const int power : {20, 40, 60, 80, 100, 124}) {
+    const std::vector<Hit> hits = traced(image, from(power));
+    double largest = 0.0;
+    for (std::size_t i = 0; i < hits.size(); ++i)
+      if (hit(hits[i]) && hit(expected[i]))
+        largest = std::max(largest, static_cast<double>(glm::length(hits[i].position - expected[i].position)));
+    INFO("from 2^" << power << ", places apart " << largest);
+    CHECK(apart(hits) == 0);
+    // The origin near the scene is off by some 2^-22 radii; where a ray grazes a sphere, that moves the hit by up to
+    // sqrt(2 * 2^-22) = 2^-10.5 radii.
+    CHECK(largest < 0x1p-10 * bounding_ball(scene).radius);
+  }
+  // From 2^124 four steps after the first are not enough.
+  const auto with_steps = [&](const char* steps) {
+    const std::array patches{
+        ShaderPatch{"ray_prepare.glsl", "for (; rounds < 8", std::string("for (; rounds < ") + steps}};
+    Probe probe(context(), image, Traversal::tree, patches);
+    return apart(traced(probe, from(124)));
+  };
+  CHECK(with_steps("4") > 0);
 }
 
 TEST_CASE("a fault in the shader is seen by the judge and by brute force", "[probe]") {
