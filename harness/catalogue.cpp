@@ -136,14 +136,15 @@ std::vector<Case> make_catalogue(const CatalogueOptions& options) {
     cases.push_back(bake_file_case(scene));
     cases.push_back(verify_case(scene));
     // These put other scenes on the stage, so they come last.
-    if (options.paired_samples > 0) add(paired_cases(scene, {options.paired_samples, true, options.fault.patches}));
+    if (options.paired_samples > 0)
+      add(paired_cases(scene, {options.paired_samples, true, false, options.fault.patches}));
     if (options.checked) cases.push_back(checked_picture_case(scene, *options.checked));
     if (scene.moves) cases.push_back(frames_case(scene, options.moved_rays));
     if (scene.has_nodes) cases.push_back(updates_case(scene, options.moved_rays));
   }
   for (const ListedScene& scene : options.pictures) {
     cases.push_back(captured_case(scene, options.captured_rays));
-    add(paired_cases(scene, {options.paired_samples, false, options.fault.patches}));
+    add(paired_cases(scene, {options.paired_samples, false, !options.few_frames, options.fault.patches}));
   }
   if (options.whole) {
     cases.push_back(broken_trees_case());

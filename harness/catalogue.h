@@ -71,10 +71,11 @@ struct CatalogueOptions {
   std::uint64_t bundle_rays = 1 << 6;       ///< per family, size of bundle, way out of a transform, and scene
   std::uint64_t profile_samples = 1 << 14;  ///< for each point of a profile that is known in closed form
   std::vector<ListedScene> pictures;        ///< scenes for renderers alone
-  bool few_frames = false;                  ///< statistics of pictures at a third of their depth or less
-  std::optional<CheckedPictures> checked;   ///< none in the nightly, which has cases of more kinds
-  RendererFault fault;                      ///< of the cases of effects
-  bool whole = false;                       ///< the cases that have scenes of their own, too
+  bool few_frames =
+      false;  ///< statistics of pictures at a third of their depth or less, and one source of numbers for paired ones
+  std::optional<CheckedPictures> checked;  ///< none in the nightly, which has cases of more kinds
+  RendererFault fault;                     ///< of the cases of effects
+  bool whole = false;                      ///< the cases that have scenes of their own, too
   std::uint64_t brute_force_tests =
       40'000'000;  ///< primitive tests per scene in the brute-force layer, spread over all families
 };
@@ -107,10 +108,10 @@ Case picture_case(const ListedScene& scene);
 struct PairedOptions {
   std::uint64_t samples = 2400;      ///< of each effect
   bool few = false;                  ///< shading and all effects together, and no other
+  bool every_source = false;         ///< all effects together with the numbers of MD5 and of the image of noise, too
   std::vector<ShaderPatch> patches;  ///< faults on purpose
 };
-/// With each effect alone, without any, and with all of them; these also with the numbers of MD5 and of the image of
-/// noise.
+/// With each effect alone, without any, and with all of them.
 std::vector<Case> paired_cases(const ListedScene& scene, const PairedOptions& options);
 Case captured_case(const ListedScene& scene, std::uint64_t rays);
 Case brute_force_case(const ListedScene& scene, std::uint64_t tests);

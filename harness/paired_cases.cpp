@@ -147,7 +147,7 @@ std::vector<Case> paired_cases(const ListedScene& scene, const PairedOptions& op
     if (effects == PairedEffects::motion_blur && !scene.moves) continue;
     cases.push_back(paired_case(scene, {effects, RandomKind::hash, options.patches}, options.samples));
   }
-  if (options.few) return cases;
+  if (!options.every_source) return cases;
   for (const RandomKind random : {RandomKind::md5, RandomKind::texture})
     cases.push_back(paired_case(scene, {PairedEffects::all, random, options.patches}, options.samples));
   return cases;
