@@ -1,58 +1,85 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Small pictures by a renderer whose shaders are mutants: the reference follows each sample with the numbers that were
-// drawn, step by step.
+// drawn, step by step; those numbers are hashed anew in C++; and what the sharp rays have met tells the channels.
+#include <cmath>
 #include <memory>
 
 #include "harness/mutation_oracles.h"
+#include "harness/mutation_rooms.h"
+#include "harness/paired_bounds.h"
 #include "harness/paired_picture.h"
+#include "tracer/random_numbers.h"
 #include "tracer/render_passes.h"
+#include "tracer/shader_words.h"
 
 namespace plumbline {
 namespace {
 
+constexpr int kWidth = 20, kHeight = 12;  // pixels, unlike sides
+
 struct Asked {
-  const char* spec;
-  PairedEffects effects = PairedEffects::all;
-  Effects::Model model = Effects::Model::paper;
+  MutationRoom room;
+  PairedEffects effects;
+  Effects::Model model;
+  Layout layout = Layout::compact;
 };
 
 /// A session of its own, which knows nothing of mutants.
 struct Known {
   Session session;
   Stage* stage = nullptr;
+  Scene scene;
 };
 
-std::vector<ActiveLines> programs_of(const Scene& scene, Effects::Model model) {
-  const GeometryImage image = bake(scene);
-  const ProgramVariant walk = program_variant(image, false, false);  // whose mutants others see
+std::shared_ptr<Known> known_of(const Asked& asked) {
+  auto known = std::make_shared<Known>();
+  known->stage = &known->session.stage(name_of(asked.room), mutation_room(asked.room));
+  known->scene = with_effects(*known->stage, asked.effects, asked.model);
+  return known;
+}
+
+std::string name_of(const Asked& asked) {
+  return std::string(name_of(asked.room)) + "." + name_of(asked.effects) +
+         (asked.model == Effects::Model::physical ? ".physical" : ".paper");
+}
+
+RenderSettings settings_of(const Asked& asked) {
+  RenderSettings settings;
+  settings.width = kWidth, settings.height = kHeight;
+  settings.seed = 1;
+  settings.bake.layout = asked.layout;
+  return settings;
+}
+
+ShadingVariant variant_of(const Asked& asked, const Scene& scene) {
+  const ProgramVariant walk = program_variant(bake(scene), false, false);  // whose mutants others see
   ShadingVariant variant;
   variant.has_triangles = walk.has_triangles, variant.has_spheres = walk.has_spheres;
   variant.has_transforms = walk.has_transforms, variant.has_textures = !scene.textures.empty();
-  variant.is_physical = model == Effects::Model::physical;
+  variant.is_paper = asked.layout == Layout::paper;
+  variant.is_physical = asked.model == Effects::Model::physical;
   variant.primitive_count = scene.primitive_count();
-  std::vector<ActiveLines> all;
+  return variant;
+}
+
+MutationOracle picture_oracle(GlContext& context, const Asked& asked) {
+  const std::shared_ptr<Known> known = known_of(asked);
+  MutationOracle oracle;
+  oracle.name = "paired." + name_of(asked);
+  const ShadingVariant variant = variant_of(asked, known->scene);
   for (const auto& [pass, tap] :
        {std::pair{RenderPass::camera, PassTap::none}, std::pair{RenderPass::light, PassTap::none},
         std::pair{RenderPass::add_light, PassTap::none}, std::pair{RenderPass::scatter, PassTap::none},
         std::pair{RenderPass::camera, PassTap::lens_numbers}, std::pair{RenderPass::light, PassTap::numbers},
         std::pair{RenderPass::scatter, PassTap::numbers}})
-    all.push_back(active_lines(render_shader(pass, variant, tap)));
-  return all;
-}
-
-MutationOracle picture_oracle(GlContext& context, const Asked& asked) {
-  auto known = std::make_shared<Known>();
-  known->stage = &known->session.stage(asked.spec);
-  const Scene scene = with_effects(*known->stage, asked.effects, asked.model);
-  MutationOracle oracle;
-  oracle.name = std::string("paired.") + asked.spec;
-  oracle.programs = programs_of(scene, asked.model);
-  oracle.ask = [&context, known, scene, asked](const Mutant&) -> std::string {
+    oracle.programs.push_back(active_lines(render_shader(pass, variant, tap)));
+  oracle.ask = [&context, known, asked](const Mutant&) -> std::string {
     PairedSettings settings;
-    settings.width = 16, settings.height = 16;
+    settings.width = kWidth, settings.height = kHeight;
+    settings.layout = asked.layout;
     settings.context = &context;
     PairedTally tally;
-    compare_picture(known->session, asked.spec, scene, settings, tally);
+    compare_picture(known->session, name_of(asked.room), known->scene, settings, tally);
     if (tally.differ > 0) return tally.kept.front().event;
     // What stands apart hangs on a tie or a grazing ray: in a sound picture few do (at most 1 in 100).
     if (tally.apart > tally.samples / 50) return std::to_string(tally.apart) + " samples stand apart";
@@ -61,15 +88,149 @@ MutationOracle picture_oracle(GlContext& context, const Asked& asked) {
   return oracle;
 }
 
+/// Compares what passes say that they have drawn with the numbers that C++ makes of pixel, frame, ray and block, and
+/// perturbations with what these numbers are to become (SEMANTICS 7.4).
+class NumbersTap final : public RenderTap {
+ public:
+  explicit NumbersTap(const Effects& effects) : effects_(effects) {}
+  std::string wrong;
+
+  void rays(const TappedBatch&, std::uint32_t, std::uint32_t, std::span<const Ray>, std::span<const Hit>) override {}
+  void samples(const TappedBatch&, std::span<const glm::vec4>) override {}
+
+  void numbers(const TappedBatch& batch, std::uint32_t ray, std::uint32_t first,
+               std::span<const glm::vec4> numbers) override {
+    const bool may_be_missing = first >= 5;  // where nothing is hit; paired comparison tells which must be there
+    const std::uint32_t block = first == 0   ? kBlockPixel
+                                : first == 2 ? kBlockLens
+                                : first == 5 ? kBlockNormal
+                                             : kBlockLights + (first - 8) / 3;
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      if (may_be_missing && glm::vec3(numbers[i]) == glm::vec3(0.0f)) continue;
+      const glm::uvec2 pixel = batch.pixel(i);
+      const glm::vec4 known = hashed_block(1, pixel.y * kWidth + pixel.x, batch.frame(i), ray, block);
+      const int count = first == 0 ? 2 : 3;
+      for (int k = 0; k < count; ++k)
+        if (numbers[i][k] != known[k]) complain("the numbers", ray, first, i);
+    }
+    drawn_.assign(numbers.begin(), numbers.end());
+  }
+
+  void places(const TappedBatch&, std::uint32_t ray, std::uint32_t first, std::span<const glm::vec4> places) override {
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const glm::dvec3 u(drawn_[i]);
+      if (u == glm::dvec3(0.0)) continue;
+      const glm::dvec3 place = place_of(u, first == 2);
+      const double bound = effects_.model == Effects::Model::physical ? 16.0 * 0x1p-24 : 0.0;
+      if (!(glm::length(glm::dvec3(places[i]) - place) <= bound)) complain("the perturbation", ray, first, i);
+      if (places[i].w != (first == 2 ? 0.0f : drawn_[i].w)) complain("the fourth number", ray, first, i);
+    }
+  }
+
+ private:
+  void complain(const char* what, std::uint32_t ray, std::uint32_t first, std::size_t item) {
+    if (wrong.empty())
+      wrong = std::string(what) + " of ray " + std::to_string(ray) + ", dimension " + std::to_string(first) +
+              ", item " + std::to_string(item) + " are others in C++";
+  }
+
+  glm::dvec3 place_of(const glm::dvec3& u, bool is_lens) const {
+    if (effects_.model == Effects::Model::paper) return 2.0 * u - 1.0;
+    const double angle = 2.0 * 3.14159265358979323846 * u.y;
+    const glm::dvec2 turned(std::cos(angle), std::sin(angle));
+    if (is_lens) return {std::sqrt(u.x) * turned, 0.0};
+    return std::cbrt(u.z) * glm::dvec3(2.0 * std::sqrt(u.x * (1.0 - u.x)) * turned, 1.0 - 2.0 * u.x);
+  }
+
+  const Effects& effects_;
+  std::vector<glm::vec4> drawn_;
+};
+
+MutationOracle numbers_oracle(GlContext& context, const Asked& asked) {
+  const std::shared_ptr<Known> known = known_of(asked);
+  MutationOracle oracle;
+  oracle.name = "numbers." + name_of(asked);
+  const ShadingVariant variant = variant_of(asked, known->scene);
+  for (const auto& [pass, tap] :
+       {std::pair{RenderPass::camera, PassTap::numbers}, std::pair{RenderPass::camera, PassTap::lens_numbers},
+        std::pair{RenderPass::camera, PassTap::lens_places}, std::pair{RenderPass::light, PassTap::numbers},
+        std::pair{RenderPass::light, PassTap::places}, std::pair{RenderPass::scatter, PassTap::numbers},
+        std::pair{RenderPass::scatter, PassTap::places}}) {
+    ActiveLines lines = active_lines(render_shader(pass, variant, tap));
+    lines.erase("surface.glsl");  // numbers do not tell of it
+    oracle.programs.push_back(std::move(lines));
+  }
+  oracle.ask = [&context, known, asked](const Mutant&) -> std::string {
+    RenderSettings settings = settings_of(asked);
+    settings.frames = 2 * (kBatchWidth / kWidth) + 1;  // several lanes and blocks
+    Renderer renderer(context, known->scene, settings);
+    NumbersTap tap(known->scene.effects);
+    renderer.set_tap(&tap);
+    renderer.add_frames(0, settings.frames);
+    return tap.wrong;
+  };
+  return oracle;
+}
+
+/// Against the sharp rays and their hits, whose truth others tell, and the ground in double, from near it.
+MutationOracle channels_oracle(GlContext& context, const Asked& asked) {
+  const std::shared_ptr<Known> known = known_of(asked);
+  Camera& camera = known->scene.camera;
+  camera.from = known->scene.ground.center + 0.5f * known->scene.ground.normal;
+  camera.at = known->scene.ground.center + known->scene.ground.u_axis;
+  MutationOracle oracle;
+  oracle.name = "channels." + name_of(asked);
+  const ActiveLines lines =
+      active_lines(render_shader(RenderPass::channels, variant_of(asked, known->scene), PassTap::none));
+  oracle.programs.push_back({{"channels.frag.glsl", lines.at("channels.frag.glsl")}});
+  oracle.ask = [&context, known, asked](const Mutant&) -> std::string {
+    const Scene& scene = known->scene;
+    Renderer renderer(context, scene, settings_of(asked));
+    SampleTap tap;
+    renderer.set_tap(&tap);
+    renderer.add_frames(0, 1);
+    renderer.set_tap(nullptr);
+    const RenderedPicture picture = renderer.picture();
+    const TappedSamples& samples = tap.batches.at(0);
+    for (std::size_t i = 0; i < samples.colors.size(); ++i) {
+      const glm::uvec2 pixel = samples.batch.pixel(i);
+      const std::size_t at = pixel.y * std::size_t{kWidth} + pixel.x;
+      const Hit& hit = samples.paths[1].hits[i];
+      const SeenGround ground = meet_ground(scene, samples.paths[1].rays[i]);
+      const bool is_hit = hit.kind == HitKind::hit;
+      const auto t = static_cast<double>(hit.t);
+      if (!ground.undecided.empty() || (ground.hit && is_hit && std::abs(ground.hit->t - t) <= ground.t)) continue;
+      const bool on_ground = ground.hit && (!is_hit || ground.hit->t < t);
+      const std::uint32_t primitive = on_ground ? scene.primitive_count() : is_hit ? hit.primitive : kNone;
+      const std::uint32_t instance = is_hit && !on_ground ? hit.instance : kNone;
+      const glm::dvec3 normal = on_ground ? scene.ground.normal : is_hit ? hit.normal : glm::vec3(0.0f);
+      const bool is_deep = on_ground ? std::abs(picture.depth[at] - ground.hit->t) <= ground.t
+                           : is_hit  ? picture.depth[at] == t
+                                     : std::isinf(picture.depth[at]) && picture.depth[at] > 0.0;
+      if (!is_deep || picture.normal[at] != normal || picture.primitive[at] != primitive ||
+          picture.instance[at] != instance || picture.steps[at] != hit.steps)
+        return "pixel (" + std::to_string(pixel.x) + ", " + std::to_string(pixel.y) +
+               ") has other channels than its ray";
+    }
+    return {};
+  };
+  return oracle;
+}
+
 }  // namespace
 
 std::vector<MutationOracle> picture_oracles(GlContext& context) {
-  std::vector<MutationOracle> oracles;
+  using R = MutationRoom;
+  using E = PairedEffects;
   using M = Effects::Model;
-  for (const Asked& asked :
-       {Asked{"bumped_ground", PairedEffects::all, M::paper}, Asked{"figure_1", PairedEffects::all, M::physical},
-        Asked{"dof", PairedEffects::all, M::paper}})
+  std::vector<MutationOracle> oracles;
+  for (const Asked& asked : {Asked{R::furnished, E::all, M::paper}, Asked{R::papered, E::all, M::physical},
+                             Asked{R::balls, E::none, M::paper, Layout::paper}, Asked{R::papered, E::none, M::paper}})
     oracles.push_back(picture_oracle(context, asked));
+  for (const M model : {M::paper, M::physical})
+    oracles.push_back(numbers_oracle(context, {R::furnished, E::all, model}));
+  for (const R room : {R::furnished, R::papered})
+    oracles.push_back(channels_oracle(context, {room, E::none, M::paper}));
   return oracles;
 }
 

@@ -39,6 +39,7 @@ void compare_picture(Session& session, const std::string& spec, const Scene& sce
   asked.frames = settings.frames;
   asked.seed = settings.seed;
   asked.random = settings.random;
+  asked.bake.layout = settings.layout;
   asked.patches = settings.patches;
   Renderer renderer(settings.context != nullptr ? *settings.context : session.context(), scene, asked);
   Scene seen = scene;

@@ -26,6 +26,7 @@ struct PairedSettings {
   std::uint32_t frames = 1;
   std::uint64_t seed = 1;
   RandomKind random = RandomKind::hash;
+  Layout layout = Layout::compact;   ///< of the geometry image
   std::vector<ShaderPatch> patches;  ///< faults on purpose
   GlContext* context = nullptr;      ///< that the tracer renders in; null: the session's
 };

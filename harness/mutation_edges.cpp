@@ -1,0 +1,338 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The shading passes where SEMANTICS 6 decides between two sides and a picture never stands: made rays and hits whose
+// numbers are exact in floats, and what must come of each by the text.
+#include <array>
+#include <bit>
+#include <functional>
+#include <limits>
+
+#include "harness/mutation_oracles.h"
+#include "tracer/pass.h"
+#include "tracer/random_numbers.h"
+#include "tracer/render_passes.h"
+#include "tracer/shader_words.h"
+#include "tracer/shading_image.h"
+
+namespace plumbline {
+namespace {
+
+constexpr float kInfinite = std::numeric_limits<float>::infinity();
+
+/// What the passes write of one item.
+struct Written {
+  std::array<glm::vec4, 3> light;
+  std::array<glm::vec4, 4> scatter;
+  std::array<glm::vec4, 2> channels;
+  glm::vec4 sum;
+};
+
+/// One ray, what it is said to have hit, and what must come of it.
+struct Edge {
+  const char* what;  ///< SEMANTICS 6
+  Ray ray;
+  std::uint32_t kind = kWordHit, triangle = 0;
+  glm::vec3 position{0.0f};
+  float t = 2.0f;
+  bool (*holds)(const Written&);
+};
+
+bool is_asked(const Written& w) { return glm::vec3(w.light[1]) != glm::vec3(0.0f); }
+bool on_ground(const Written& w) { return w.channels[1].x == 5.0f; }  // the number of primitives
+bool is_added(const Written& w) { return glm::vec3(w.sum) == glm::vec3(0.75f); }
+
+/// Triangles in the plane z = 0, seen from above: plain; with normals in that plane; shining, with such normals; glass;
+/// air. A light at (0, 0, 4). The round ground, of radius 2, stands at z = -8.
+Scene plane(bool has_ground) {
+  Scene scene;
+  scene.name = "edges";
+  scene.materials.resize(4);
+  Material &shining = scene.materials[1], &glass = scene.materials[2], &air = scene.materials[3];
+  shining.diffuse = 0.0f, shining.specular = 1.0f, shining.shine = 0.0f, shining.glossy = 1.0f;
+  glass.specular = 1.0f, glass.transmittance = 1.0f, glass.refraction_index = 2.0f;
+  air.transmittance = 1.0f, air.refraction_index = 1.0f;
+  scene.positions = {{-8.0f, -8.0f, 0.0f}, {8.0f, -8.0f, 0.0f}, {0.0f, 8.0f, 0.0f}};
+  scene.normals = {{1.0f, 0.0f, 0.0f}};
+  for (const std::uint32_t material : {0u, 0u, 1u, 2u, 3u}) {
+    Triangle& t = scene.triangles.emplace_back();
+    t.position = {0, 1, 2};
+    t.material = material;
+    const bool has_normals = scene.triangles.size() == 2 || material == 1;
+    if (has_normals) t.normal = {0, 0, 0};
+  }
+  scene.lights = {{{0.0f, 0.0f, 4.0f}, glm::vec3(1.0f), true, 0.0f}};
+  scene.background = glm::vec3(0.25f);
+  scene.ground.normal = {0.0f, 0.0f, 1.0f};
+  scene.ground.u_axis = {1.0f, 0.0f, 0.0f}, scene.ground.v_axis = {0.0f, 1.0f, 0.0f};
+  scene.ground.center = {0.0f, 0.0f, -8.0f};
+  scene.ground.radius = has_ground ? 2.0f : 0.0f;
+  return scene;
+}
+
+std::vector<Edge> edges() {
+  const Ray down{{0.0f, 0.0f, 2.0f}, {0.0f, 0.0f, -1.0f}, kInfinite},
+      level{{-2.0f, 0.0f, 0.0f}, {1.0f, 0.0f, 0.0f}, kInfinite};
+  // l of the light from (-3, 0, 0), as unit() makes it of (3, 0, 4).
+  const float slope = 0.75f * (1.0f / 1.25f), height = 1.0f / 1.25f;
+  const Ray mirrored{{-3.6f, 0.0f, 0.8f}, {slope, 0.0f, -height}, kInfinite};
+  const auto ground_ray = [](float x, float z, float dz, float t_max) {
+    return Ray{{x, 0.0f, z}, {0.0f, 0.0f, dz}, t_max};
+  };
+  const auto missed = kWordMiss;
+  return {
+      {"6.6: a light in the surface's plane is not asked",
+       down,
+       kWordHit,
+       0,
+       {1.0f, 0.0f, 4.0f},
+       2.0f,
+       [](const Written& w) { return !is_asked(w) && w.light[2] == glm::vec4(0.0f); }},
+      {"6.6: a light at the hit is not asked",
+       down,
+       kWordHit,
+       0,
+       {0.0f, 0.0f, 4.0f},
+       2.0f,
+       [](const Written& w) { return !is_asked(w) && w.light[2] == glm::vec4(0.0f); }},
+      {"6.6: a light square to n is not asked",
+       down,
+       kWordHit,
+       1,
+       {0.0f, 0.0f, 0.0f},
+       2.0f,
+       [](const Written& w) { return !is_asked(w); }},
+      {"6.4: a normal square to N is not turned round", down, kWordHit, 1, {-3.0f, 0.0f, 0.0f}, 2.0f, is_asked},
+      {"6.6: a highlight where n.h is 0 is dark, for shine 0 too",
+       mirrored,
+       kWordHit,
+       2,
+       {-3.0f, 0.0f, 0.0f},
+       1.0f,
+       [](const Written& w) { return is_asked(w) && w.light[2] == glm::vec4(0.0f); }},
+      {"6.7: n stays where n and its perturbation cancel",
+       mirrored,
+       kWordHit,
+       2,
+       {-3.0f, 0.0f, 0.0f},
+       1.0f,
+       [](const Written& w) { return w.scatter[1].x < -0.5f && w.scatter[1].z > 0.5f; }},
+      {"6.7: a ray along the surface enters",
+       level,
+       kWordHit,
+       3,
+       {0.0f, 0.0f, 0.0f},
+       2.0f,
+       [](const Written& w) { return w.scatter[2].z < 0.0f && w.scatter[3].z < -0.5f; }},
+      {"6.4: n_g is N for a ray along the surface",
+       level,
+       kWordHit,
+       3,
+       {0.0f, 0.0f, 0.0f},
+       2.0f,
+       [](const Written& w) { return w.scatter[0].z > 0.0f; }},
+      {"6.7: k = 0 is no total reflection",
+       level,
+       kWordHit,
+       4,
+       {0.0f, 0.0f, 0.0f},
+       2.0f,
+       [](const Written& w) { return w.scatter[2].z < 0.0f; }},
+      {"6.8: the ground's rim is hit", ground_ray(2.0f, 0.0f, -1.0f, kInfinite), missed, 0, {}, 0.0f, on_ground},
+      {"6.8: the ground is hit at t_max",
+       ground_ray(0.0f, 0.0f, -1.0f, 8.0f),
+       missed,
+       0,
+       {},
+       0.0f,
+       [](const Written& w) { return on_ground(w) && w.channels[0].w == 8.0f && !is_added(w); }},
+      {"6.8: the ground is not hit beyond t_max",
+       ground_ray(0.0f, 0.0f, -1.0f, 7.5f),
+       missed,
+       0,
+       {},
+       0.0f,
+       [](const Written& w) { return !on_ground(w) && is_added(w); }},
+      {"6.8: the ground is hit from below along N",
+       ground_ray(0.0f, -9.0f, 1.0f, kInfinite),
+       missed,
+       0,
+       {},
+       0.0f,
+       [](const Written& w) { return on_ground(w) && !is_added(w); }},
+      {"6.8: the ground is hit near the start",
+       ground_ray(0.0f, -7.75f, -1.0f, kInfinite),
+       missed,
+       0,
+       {},
+       0.0f,
+       [](const Written& w) { return on_ground(w) && w.channels[0].w == 0.25f && !is_added(w); }},
+      {"6.8: the ground is not hit where the ray starts",
+       ground_ray(0.0f, -8.0f, -1.0f, kInfinite),
+       missed,
+       0,
+       {},
+       0.0f,
+       [](const Written& w) { return !on_ground(w) && is_added(w); }},
+      {"6.8: a primitive at the same t stands before the ground",
+       ground_ray(0.0f, 0.0f, -1.0f, kInfinite),
+       kWordHit,
+       0,
+       {0.0f, 0.0f, -8.0f},
+       8.0f,
+       [](const Written& w) { return w.channels[1].x == 0.0f && w.scatter[2] == glm::vec4(0.0f) && is_asked(w); }},
+      {"6.6: what is hit is in shadow",
+       down,
+       kWordHit,
+       0,
+       {0.0f, 0.0f, 0.0f},
+       2.0f,
+       [](const Written& w) { return glm::vec3(w.sum) == glm::vec3(0.5f) && w.sum.w == 3.0f; }},
+      {"6.1: a ray that hits nothing brings the background",
+       ground_ray(4.0f, 0.0f, 1.0f, kInfinite),
+       missed,
+       0,
+       {},
+       0.0f,
+       [](const Written& w) { return w.light[2] == glm::vec4(0.25f, 0.25f, 0.25f, 0.0f) && w.sum.w == 3.0f; }},
+      {"a walk without an end is told, and is no hit of the ground",
+       ground_ray(0.0f, 0.0f, -1.0f, kInfinite),
+       kWordCapped,
+       0,
+       {},
+       0.0f,
+       [](const Written& w) { return w.light[2].w > 0.0f && w.sum.w == 4.0f && !is_asked(w) && !on_ground(w); }},
+      {"an undefined ray is a miss",
+       ground_ray(4.0f, 0.0f, 1.0f, kInfinite),
+       kWordUndefined,
+       0,
+       {},
+       0.0f,
+       [](const Written& w) { return w.light[2].w == 0.0f && w.sum.w == 3.0f && is_added(w); }},
+      {"what is no ray brings nothing",
+       {glm::vec3(0.0f), glm::vec3(0.0f), 0.0f},
+       kWordCapped,
+       0,
+       {},
+       0.0f,
+       [](const Written& w) { return w.light[2] == glm::vec4(0.0f); }},
+  };
+}
+
+std::vector<Edge> edges_without_ground() {
+  return {{"6.8: a radius of 0 is no ground",
+           {{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -1.0f}, kInfinite},
+           kWordMiss,
+           0,
+           {},
+           0.0f,
+           [](const Written& w) { return !on_ground(w) && is_added(w); }}};
+}
+
+constexpr std::array<RenderPass, 4> kPasses{RenderPass::light, RenderPass::scatter, RenderPass::channels,
+                                            RenderPass::add_light};
+
+ShaderText shader_of(RenderPass pass) {
+  ShadingVariant variant;
+  variant.has_triangles = true;
+  variant.random = RandomKind::texture;
+  variant.primitive_count = 5;
+  return render_shader(pass, variant);
+}
+
+/// Draws all passes over the edges, side by side in one row.
+std::vector<Written> drawn(GlContext& context, const Scene& scene, const std::vector<Edge>& edges) {
+  const int count = static_cast<int>(edges.size());
+  std::array<std::vector<glm::vec4>, 2> rays;
+  std::array<std::vector<glm::uvec4>, 3> hits;
+  const auto bits = [](float x) { return std::bit_cast<std::uint32_t>(x); };
+  for (const Edge& e : edges) {
+    rays[0].emplace_back(e.ray.origin, e.ray.t_max), rays[1].emplace_back(e.ray.direction, 1.0f);
+    const glm::vec3& p = e.position;
+    hits[0].emplace_back(e.kind + 8 * e.triangle, bits(e.t), 0, 0);
+    hits[1].emplace_back(bits(p.x), bits(p.y), bits(p.z), bits(0.25f));
+    hits[2].emplace_back(0, 0, bits(1.0f), bits(0.5f));
+  }
+  const auto floats = [&](const std::vector<glm::vec4>& texels) {
+    return GlTexture(context, GL_RGBA32F, GL_RGBA, GL_FLOAT, static_cast<int>(texels.size()), 1, texels.data());
+  };
+  std::vector<GlTexture> inputs;  // unit i
+  ShadingImage shading = shading_image(scene);
+  const Light& light = scene.lights[0];
+  inputs.push_back(GlTexture::linear(
+      context, std::array{glm::vec4(light.position, light.radius), glm::vec4(light.color, light.has_color)}));
+  inputs.push_back(floats(rays[0])), inputs.push_back(floats(rays[1]));
+  for (const auto& words : hits)
+    inputs.emplace_back(context, GL_RGBA32UI, GL_RGBA_INTEGER, GL_UNSIGNED_INT, count, 1, words.data());
+  inputs.push_back(GlTexture::linear(context, shading.texels));
+  inputs.push_back(GlTexture::linear(context, shading.texture_texels));
+  inputs.push_back(floats({glm::vec4(0.0f, 0.5f, 0.5f, 0.0f)}));  // a noise that is (-1, 0, 0)
+  const std::vector<glm::vec4> sums(edges.size(), {0.5f, 0.5f, 0.5f, 1.0f}),
+      brought(edges.size(), {0.25f, 0.25f, 0.25f, 2.0f});
+  inputs.push_back(floats(brought)), inputs.push_back(floats(sums));
+  static constexpr std::array<const char*, 11> kNames{
+      "u_geometry", "u_ray_origins", "u_ray_directions", "u_hit_0",   "u_hit_1", "u_hit_2",
+      "u_shading",  "u_textures",    "u_noise",          "u_brought", "u_sum"};
+  std::vector<Written> written(edges.size());
+  const GlFunctions& gl = context.use();
+  for (const RenderPass pass : kPasses) {
+    std::array<GlTexture, 4> targets;
+    const int outputs = pass == RenderPass::light      ? 3
+                        : pass == RenderPass::scatter  ? 4
+                        : pass == RenderPass::channels ? 2
+                                                       : 1;
+    for (int i = 0; i < outputs; ++i)
+      targets[static_cast<std::size_t>(i)] = GlTexture(context, GL_RGBA32F, GL_RGBA, GL_FLOAT, count, 1);
+    const GlFramebuffer framebuffer(context, targets.data(), outputs);
+    const GlProgram program(context, link_program(context, probe_vertex_shader(), shader_of(pass)));
+    program.use();
+    set_pass(program, {}, {});
+    for (std::size_t unit = 0; unit < inputs.size(); ++unit) {
+      inputs[unit].bind(static_cast<int>(unit));
+      program.set(kNames[unit], static_cast<int>(unit));
+    }
+    program.set("u_random", random_uniform(0, 1, 0));
+    program.set("u_tile", glm::ivec4(0, 0, 1, 1));
+    program.set("u_sample", glm::ivec4(0, 1, 0, count));
+    const auto at = [](std::uint32_t i) { return static_cast<int>(i); };
+    program.set("u_starts", glm::ivec4(at(shading.material_start), at(shading.texture_start),
+                                       at(shading.triangle_start), at(shading.sphere_start)));
+    program.set("u_scene", glm::ivec4(at(shading.instance_start), at(scene.primitive_count()), 0, 1));
+    program.set("u_effects", glm::vec4(0.0f, 0.0f, 1.0f, 0.0f));
+    program.set("u_background", glm::vec4(scene.background, 0.0f));
+    gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
+    program.draw(count, 1);
+    for (int i = 0; i < outputs; ++i) {
+      std::vector<glm::vec4> texels(edges.size());
+      gl.ReadBuffer(static_cast<GLenum>(GL_COLOR_ATTACHMENT0 + i));
+      gl.ReadPixels(0, 0, count, 1, GL_RGBA, GL_FLOAT, texels.data());
+      const auto k = static_cast<std::size_t>(i);
+      for (std::size_t e = 0; e < edges.size(); ++e)
+        (pass == RenderPass::light      ? written[e].light[k]
+         : pass == RenderPass::scatter  ? written[e].scatter[k]
+         : pass == RenderPass::channels ? written[e].channels[k]
+                                        : written[e].sum) = texels[e];
+    }
+  }
+  context.check("drawing the edges of shading");
+  return written;
+}
+
+}  // namespace
+
+std::vector<MutationOracle> edge_oracles(GlContext& context) {
+  std::vector<MutationOracle> oracles;
+  for (const bool has_ground : {true, false}) {
+    MutationOracle& oracle = oracles.emplace_back();
+    oracle.name = has_ground ? "edges.shading" : "edges.no_ground";
+    for (const RenderPass pass : kPasses) oracle.programs.push_back(active_lines(shader_of(pass)));
+    oracle.ask = [&context, scene = plane(has_ground),
+                  all = has_ground ? edges() : edges_without_ground()](const Mutant&) -> std::string {
+      const std::vector<Written> written = drawn(context, scene, all);
+      for (std::size_t i = 0; i < all.size(); ++i)
+        if (!all[i].holds(written[i])) return std::string("not so: ") + all[i].what;
+      return {};
+    };
+  }
+  return oracles;
+}
+
+}  // namespace plumbline
