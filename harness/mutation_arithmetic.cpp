@@ -268,9 +268,9 @@ MutationOracle elementary(GlContext& context) {
   for (std::uint32_t i = 0; i < kPixels * kPixels; ++i) {
     Random random(kSeed, 4, i);
     glm::vec4 v;
-    // Turns: all around the eighths, where the sums are longest; else anywhere.
-    const std::uint32_t eighth = (i / 512) % 16 << 20;
-    v.x = static_cast<float>((i < 8192 ? eighth + i % 512 - 256 : random.below(1u << 24)) & 0xffffffu) * 0x1p-24f;
+    // Turns: all around the odd eighths, where the sums are longest; else anywhere.
+    const std::uint32_t eighth = 2 * (i / 2048) + 1;
+    v.x = static_cast<float>(i < 8192 ? (eighth << 21) + i % 2048 - 1024 : random.below(1u << 24)) * 0x1p-24f;
     v.y = static_cast<float>(random.below(1u << 24)) * 0x1p-24f;
     if (i % 4 == 1) v.y = static_cast<float>(std::exp2(random.uniform(-100.0, 0.0)));
     if (i < 2) v.y = static_cast<float>(i);
@@ -281,7 +281,7 @@ MutationOracle elementary(GlContext& context) {
     if (i % 64 == 7) v.z = 0.0f;
     v.w = static_cast<float>(i % 3 == 0 ? random.uniform(0.0, 200.0) : std::exp2(random.uniform(-10.0, 20.0)));
     if (i % 128 == 71 || i % 128 == 72) v.w = 0.0f;
-    if (i % 128 == 5) v.w = 3.4e38f;
+    if (i % 128 == 5 || i % 128 == 67) v.w = 3.4e38f;
     input.texels.push_back(v);
   }
   MutationOracle oracle;
@@ -317,6 +317,37 @@ MutationOracle elementary(GlContext& context) {
   return oracle;
 }
 
+/// log_2 and exp_2 alone: power() hides an error of either behind the other's bound.
+MutationOracle logarithms(GlContext& context) {
+  constexpr int kPixels = 128;
+  constexpr long double kU = 0x1p-24L;
+  InputTexels input{kPixels, kPixels, {}};
+  for (std::uint32_t i = 0; i < kPixels * kPixels; ++i) {
+    Random random(kSeed, 5, i);
+    const double x = i % 2 == 0 ? random.uniform(0.5, 1.0) : std::exp2(random.uniform(-126.0, 0.0));
+    input.texels.emplace_back(x, random.uniform(-126.0, 127.0), 0.0f, 0.0f);
+  }
+  MutationOracle oracle;
+  oracle.name = "elementary.logarithms";
+  const std::array<std::string_view, 3> files{"pass_constants.glsl", "elementary.glsl", "ask_logarithms.frag.glsl"};
+  const std::array<ShaderDefine, 1> defines{ShaderDefine{"PASS_CONSTANT", "flat in"}};
+  const ShaderText shader = compose_shader(files, defines);
+  oracle.programs.push_back(active_lines(shader));
+  oracle.ask = [&context, shader, input](const Mutant&) -> std::string {
+    const auto words = run_small_pass(context, {shader, kPixels, kPixels}, input);
+    for (std::size_t i = 0; i < words.size(); ++i) {
+      const glm::vec4 got = std::bit_cast<glm::vec4>(words[i]), v = input.texels[i];
+      const long double log = std::log2(static_cast<long double>(v.x)), exp = std::exp2(static_cast<long double>(v.y));
+      if (!(std::abs(static_cast<long double>(got.x) - log) <= 3.0L * kU * std::abs(log)))
+        return "the logarithm of argument " + std::to_string(i) + " is beyond its bound";
+      if (!(std::abs(static_cast<long double>(got.y) - exp) <= 2.0L * kU * exp))
+        return "the power of two of argument " + std::to_string(i) + " is beyond its bound";
+    }
+    return {};
+  };
+  return oracle;
+}
+
 }  // namespace
 
 std::vector<MutationOracle> arithmetic_oracles(GlContext& context) {
@@ -324,6 +355,7 @@ std::vector<MutationOracle> arithmetic_oracles(GlContext& context) {
   oracles.push_back(driver_oracle(context, "exact_arithmetic", {"exact.glsl"}));
   oracles.push_back(driver_oracle(context, "elementary", {"elementary.glsl"}));
   oracles.push_back(elementary(context));
+  oracles.push_back(logarithms(context));
   oracles.push_back(numbers(context, "RANDOM_HASH", "random.hash"));
   oracles.push_back(digests(context));
   oracles.push_back(numbers(context, "RANDOM_MD5", "random.md5"));

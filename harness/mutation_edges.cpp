@@ -3,7 +3,7 @@
 // numbers are exact in floats, and what must come of each by the text.
 #include <array>
 #include <bit>
-#include <functional>
+#include <cmath>
 #include <limits>
 
 #include "harness/mutation_oracles.h"
@@ -37,27 +37,41 @@ struct Edge {
 };
 
 bool is_asked(const Written& w) { return glm::vec3(w.light[1]) != glm::vec3(0.0f); }
-bool on_ground(const Written& w) { return w.channels[1].x == 5.0f; }  // the number of primitives
+bool on_ground(const Written& w) { return w.channels[1].x == 6.0f; }  // the number of primitives
 bool is_added(const Written& w) { return glm::vec3(w.sum) == glm::vec3(0.75f); }
 
+/// d of the ray below, n of the triangle that it hits, from a medium of index 1 into one of 1/2.
+constexpr glm::vec3 kSlanted{0.96f, 0.0f, -0.28f}, kTilted{-0.8f, 0.0f, 0.6f};
+bool is_refracted_downwards(const glm::dvec3& told) {
+  const glm::dvec3 d(kSlanted), n(kTilted);
+  const double eta = 2.0, c = -glm::dot(d, n), k = 1.0 - eta * eta * (1.0 - c * c);
+  glm::dvec3 r = eta * d + (eta * c - std::sqrt(k)) * n;
+  r.z = -r.z;  // it points up
+  // k is off by 30 u and its root by 22 u, the others by less than 10 u.
+  return r.z < -0.1 && glm::length(told - glm::normalize(r)) <= 64.0 * 0x1p-24;
+}
+
 /// Triangles in the plane z = 0, seen from above: plain; with normals in that plane; shining, with such normals; glass;
-/// air. A light at (0, 0, 4). The round ground, of radius 2, stands at z = -8.
+/// air; thinner than air, with tilted normals. A light at (0, 0, 4). The round ground, of radius 2, stands at z = -8.
 Scene plane(bool has_ground) {
   Scene scene;
   scene.name = "edges";
-  scene.materials.resize(4);
-  Material &shining = scene.materials[1], &glass = scene.materials[2], &air = scene.materials[3];
+  scene.materials.resize(5);
+  Material &shining = scene.materials[1], &glass = scene.materials[2], &air = scene.materials[3],
+           &thin = scene.materials[4];
   shining.diffuse = 0.0f, shining.specular = 1.0f, shining.shine = 0.0f, shining.glossy = 1.0f;
   glass.specular = 1.0f, glass.transmittance = 1.0f, glass.refraction_index = 2.0f;
   air.transmittance = 1.0f, air.refraction_index = 1.0f;
+  thin.transmittance = 1.0f, thin.refraction_index = 0.5f;
   scene.positions = {{-8.0f, -8.0f, 0.0f}, {8.0f, -8.0f, 0.0f}, {0.0f, 8.0f, 0.0f}};
-  scene.normals = {{1.0f, 0.0f, 0.0f}};
-  for (const std::uint32_t material : {0u, 0u, 1u, 2u, 3u}) {
+  scene.normals = {{1.0f, 0.0f, 0.0f}, kTilted};
+  for (const std::uint32_t material : {0u, 0u, 1u, 2u, 3u, 4u}) {
     Triangle& t = scene.triangles.emplace_back();
     t.position = {0, 1, 2};
     t.material = material;
     const bool has_normals = scene.triangles.size() == 2 || material == 1;
     if (has_normals) t.normal = {0, 0, 0};
+    if (material == 4) t.normal = {1, 1, 1};
   }
   scene.lights = {{{0.0f, 0.0f, 4.0f}, glm::vec3(1.0f), true, 0.0f}};
   scene.background = glm::vec3(0.25f);
@@ -70,7 +84,7 @@ Scene plane(bool has_ground) {
 
 std::vector<Edge> edges() {
   const Ray down{{0.0f, 0.0f, 2.0f}, {0.0f, 0.0f, -1.0f}, kInfinite},
-      level{{-2.0f, 0.0f, 0.0f}, {1.0f, 0.0f, 0.0f}, kInfinite};
+      level{{-2.0f, 0.0f, 0.0f}, {1.0f, 0.0f, 0.0f}, kInfinite}, slanted{-2.0f * kSlanted, kSlanted, kInfinite};
   // l of the light from (-3, 0, 0), as unit() makes it of (3, 0, 4).
   const float slope = 0.75f * (1.0f / 1.25f), height = 1.0f / 1.25f;
   const Ray mirrored{{-3.6f, 0.0f, 0.8f}, {slope, 0.0f, -height}, kInfinite};
@@ -79,11 +93,11 @@ std::vector<Edge> edges() {
   };
   const auto missed = kWordMiss;
   return {
-      {"6.6: a light in the surface's plane is not asked",
+      {"6.6: a light in the surface's plane is not asked, whatever n",
        down,
        kWordHit,
-       0,
-       {1.0f, 0.0f, 4.0f},
+       1,
+       {-1.0f, 0.0f, 4.0f},
        2.0f,
        [](const Written& w) { return !is_asked(w) && w.light[2] == glm::vec4(0.0f); }},
       {"6.6: a light at the hit is not asked",
@@ -101,6 +115,13 @@ std::vector<Edge> edges() {
        2.0f,
        [](const Written& w) { return !is_asked(w); }},
       {"6.4: a normal square to N is not turned round", down, kWordHit, 1, {-3.0f, 0.0f, 0.0f}, 2.0f, is_asked},
+      {"6.6: a shadow ray ends at the light",
+       down,
+       kWordHit,
+       0,
+       {0.0f, 0.0f, 0.0f},
+       2.0f,
+       [](const Written& w) { return is_asked(w) && w.light[0].w == 1.0f; }},
       {"6.6: a highlight where n.h is 0 is dark, for shine 0 too",
        mirrored,
        kWordHit,
@@ -136,6 +157,13 @@ std::vector<Edge> edges() {
        {0.0f, 0.0f, 0.0f},
        2.0f,
        [](const Written& w) { return w.scatter[2].z < 0.0f; }},
+      {"6.7: what would be refracted upwards is mirrored at the surface",
+       slanted,
+       kWordHit,
+       5,
+       {0.0f, 0.0f, 0.0f},
+       2.0f,
+       [](const Written& w) { return is_refracted_downwards(glm::dvec3(w.scatter[3])); }},
       {"6.8: the ground's rim is hit", ground_ray(2.0f, 0.0f, -1.0f, kInfinite), missed, 0, {}, 0.0f, on_ground},
       {"6.8: the ground is hit at t_max",
        ground_ray(0.0f, 0.0f, -1.0f, 8.0f),
@@ -178,7 +206,9 @@ std::vector<Edge> edges() {
        0,
        {0.0f, 0.0f, -8.0f},
        8.0f,
-       [](const Written& w) { return w.channels[1].x == 0.0f && w.scatter[2] == glm::vec4(0.0f) && is_asked(w); }},
+       [](const Written& w) {
+         return w.channels[1].x == 0.0f && glm::vec3(w.scatter[3]) == glm::vec3(0.0f) && is_asked(w);
+       }},
       {"6.6: what is hit is in shadow",
        down,
        kWordHit,
@@ -234,7 +264,7 @@ ShaderText shader_of(RenderPass pass) {
   ShadingVariant variant;
   variant.has_triangles = true;
   variant.random = RandomKind::texture;
-  variant.primitive_count = 5;
+  variant.primitive_count = 6;
   return render_shader(pass, variant);
 }
 

@@ -9,6 +9,7 @@
 #include "harness/paired_bounds.h"
 #include "harness/paired_picture.h"
 #include "tracer/random_numbers.h"
+#include "tracer/ray_targets.h"
 #include "tracer/render_passes.h"
 #include "tracer/shader_words.h"
 
@@ -92,7 +93,8 @@ MutationOracle picture_oracle(GlContext& context, const Asked& asked) {
 /// perturbations with what these numbers are to become (SEMANTICS 7.4).
 class NumbersTap final : public RenderTap {
  public:
-  explicit NumbersTap(const Effects& effects) : effects_(effects) {}
+  NumbersTap(const Effects& effects, const RenderSettings& settings)
+      : effects_(effects), size_(settings.width, settings.height) {}
   std::string wrong;
 
   void rays(const TappedBatch&, std::uint32_t, std::uint32_t, std::span<const Ray>, std::span<const Hit>) override {}
@@ -105,10 +107,16 @@ class NumbersTap final : public RenderTap {
                                 : first == 2 ? kBlockLens
                                 : first == 5 ? kBlockNormal
                                              : kBlockLights + (first - 8) / 3;
+    const bool is_drawn = first == 0   ? effects_.antialias
+                          : first == 2 ? effects_.depth_of_field
+                          : first == 5 ? effects_.glossy_reflections
+                                       : effects_.soft_shadows;
+    const glm::vec4 instead(first == 0 ? 0.5f : 0.0f);
     for (std::size_t i = 0; i < numbers.size(); ++i) {
       if (may_be_missing && glm::vec3(numbers[i]) == glm::vec3(0.0f)) continue;
-      const glm::uvec2 pixel = batch.pixel(i);
-      const glm::vec4 known = hashed_block(1, pixel.y * kWidth + pixel.x, batch.frame(i), ray, block);
+      const glm::uvec2 pixel = batch.pixel(i), size = size_;
+      const glm::vec4 known =
+          is_drawn ? hashed_block(1, pixel.y * size.x + pixel.x, batch.frame(i), ray, block) : instead;
       const int count = first == 0 ? 2 : 3;
       for (int k = 0; k < count; ++k)
         if (numbers[i][k] != known[k]) complain("the numbers", ray, first, i);
@@ -143,10 +151,12 @@ class NumbersTap final : public RenderTap {
   }
 
   const Effects& effects_;
+  const glm::uvec2 size_;  // pixels
   std::vector<glm::vec4> drawn_;
 };
 
-MutationOracle numbers_oracle(GlContext& context, const Asked& asked) {
+/// 51 frames of the usual size have lanes and blocks; a picture higher than a batch has tiles.
+MutationOracle numbers_oracle(GlContext& context, const Asked& asked, int width, int height, std::uint32_t frames) {
   const std::shared_ptr<Known> known = known_of(asked);
   MutationOracle oracle;
   oracle.name = "numbers." + name_of(asked);
@@ -160,11 +170,11 @@ MutationOracle numbers_oracle(GlContext& context, const Asked& asked) {
     lines.erase("surface.glsl");  // numbers do not tell of it
     oracle.programs.push_back(std::move(lines));
   }
-  oracle.ask = [&context, known, asked](const Mutant&) -> std::string {
-    RenderSettings settings = settings_of(asked);
-    settings.frames = 2 * (kBatchWidth / kWidth) + 1;  // several lanes and blocks
+  RenderSettings settings = settings_of(asked);
+  settings.width = width, settings.height = height, settings.frames = frames;
+  oracle.ask = [&context, known, settings](const Mutant&) -> std::string {
     Renderer renderer(context, known->scene, settings);
-    NumbersTap tap(known->scene.effects);
+    NumbersTap tap(known->scene.effects, settings);
     renderer.set_tap(&tap);
     renderer.add_frames(0, settings.frames);
     return tap.wrong;
@@ -172,12 +182,15 @@ MutationOracle numbers_oracle(GlContext& context, const Asked& asked) {
   return oracle;
 }
 
-/// Against the sharp rays and their hits, whose truth others tell, and the ground in double, from near it.
-MutationOracle channels_oracle(GlContext& context, const Asked& asked) {
+/// Against the sharp rays and their hits, whose truth others tell, and the ground in double; from the camera or from
+/// near the ground.
+MutationOracle channels_oracle(GlContext& context, const Asked& asked, bool is_near) {
   const std::shared_ptr<Known> known = known_of(asked);
-  Camera& camera = known->scene.camera;
-  camera.from = known->scene.ground.center + 0.5f * known->scene.ground.normal;
-  camera.at = known->scene.ground.center + known->scene.ground.u_axis;
+  if (is_near) {
+    const Ground& ground = known->scene.ground;
+    known->scene.camera.from = ground.center + 0.5f * ground.normal;
+    known->scene.camera.at = ground.center + ground.u_axis;
+  }
   MutationOracle oracle;
   oracle.name = "channels." + name_of(asked);
   const ActiveLines lines =
@@ -227,10 +240,11 @@ std::vector<MutationOracle> picture_oracles(GlContext& context) {
   for (const Asked& asked : {Asked{R::furnished, E::all, M::paper}, Asked{R::papered, E::all, M::physical},
                              Asked{R::balls, E::none, M::paper, Layout::paper}, Asked{R::papered, E::none, M::paper}})
     oracles.push_back(picture_oracle(context, asked));
-  for (const M model : {M::paper, M::physical})
-    oracles.push_back(numbers_oracle(context, {R::furnished, E::all, model}));
-  for (const R room : {R::furnished, R::papered})
-    oracles.push_back(channels_oracle(context, {room, E::none, M::paper}));
+  oracles.push_back(numbers_oracle(context, {R::furnished, E::all, M::paper}, kWidth, kHeight, 51));
+  oracles.push_back(numbers_oracle(context, {R::balls, E::all, M::physical}, 3, kRenderRows + 1, 1));
+  oracles.push_back(numbers_oracle(context, {R::furnished, E::none, M::paper}, kWidth, kHeight, 1));
+  oracles.push_back(channels_oracle(context, {R::furnished, E::none, M::paper}, false));
+  oracles.push_back(channels_oracle(context, {R::papered, E::none, M::paper}, true));
   return oracles;
 }
 

@@ -52,7 +52,7 @@ void add_materials(Scene& scene, bool has_textures) {
   Material& dents = add({0.5f, 0.9f, 0.6f}, 0.6f, 0.3f, 40.0f);
   dents.bump_texture = 1, dents.bump_scale = -0.11f, dents.glossy = 0.1f;
   Material& pane = add({0.9f, 0.9f, 1.0f}, 0.1f, 0.1f, 60.0f);
-  pane.transmittance = 0.7f, pane.refraction_index = 1.25f, pane.bump_texture = 2, pane.bump_scale = 0.05f;
+  pane.transmittance = 0.7f, pane.refraction_index = 1.25f, pane.bump_texture = 2, pane.bump_scale = 0.2f;
 }
 
 /// Every other triangle has normals of its own, on either side of it; two of three have texture coordinates, well
@@ -73,7 +73,7 @@ void add_triangles(Scene& scene, std::uint32_t count, float side) {
     normal = glm::normalize(glm::cross(corner[1] - corner[0], corner[2] - corner[0]));
     for (std::size_t k = 0; k < 3 && i % 2 == 0; ++k) {
       t.normal[k] = static_cast<std::uint32_t>(scene.normals.size());
-      scene.normals.push_back((i % 4 == 0 ? 2.0f : -0.5f) * (normal + cube_point(random, 0.4f)));
+      scene.normals.push_back((i % 4 == 0 ? 2.0f : -0.5f) * (normal + cube_point(random, 0.9f)));
     }
     for (std::size_t k = 0; k < 3 && i % 3 != 0; ++k) {
       t.texcoord[k] = static_cast<std::uint32_t>(scene.texcoords.size());
@@ -153,9 +153,9 @@ Scene mutation_room(MutationRoom room) {
   scene.camera.aperture = 0.05f;
   scene.camera.focus = 4.5f;
   scene.has_camera = true;
-  scene.lights = {{{3.0f, 4.0f, 5.0f}, {0.8f, 0.7f, 0.6f}, true, 0.4f},
+  scene.lights = {{{3.0f, 4.0f, 5.0f}, {0.8f, 0.7f, 0.0f}, true, 0.4f},
                   {{-4.0f, 2.0f, 3.5f}, {}, false, 0.2f},
-                  {{0.5f, -6.0f, 2.0f}, {0.2f, 0.5f, 0.4f}, true, 0.3f}};
+                  {{0.5f, -6.0f, -2.0f}, {0.2f, 0.5f, 0.4f}, true, 0.3f}};
   scene.effects.glossy = 0.05f;
   scene.effects.depth = 3;
   return scene;

@@ -17,10 +17,11 @@ constexpr std::uint64_t kCount = kSide * kSide;  // arguments of a pass
 constexpr long double kU = 0x1p-24L;             // the u of elementary.glsl
 constexpr long double kHalfTurn = 3.14159265358979323846264338327950288L;
 
-/// What the functions give for arguments (turn, of the cube root, of the power: x, y).
-std::vector<glm::vec4> values_for(const std::vector<glm::vec4>& arguments) {
+/// What the functions give for arguments (turn, of the cube root, of the power: x, y), or those that `question` asks.
+std::vector<glm::vec4> values_for(const std::vector<glm::vec4>& arguments,
+                                  std::string_view question = "driver_elementary.frag.glsl") {
   static GlContext context;
-  const std::array<std::string_view, 3> files{"pass_constants.glsl", "elementary.glsl", "driver_elementary.frag.glsl"};
+  const std::array<std::string_view, 3> files{"pass_constants.glsl", "elementary.glsl", question};
   const std::array<ShaderDefine, 1> defines{ShaderDefine{"PASS_CONSTANT", "flat in"}};
   const std::vector<AnswerWords> words =
       run_small_pass(context, {.fragment = compose_shader(files, defines), .width = kSide, .height = kSide},
@@ -139,6 +140,25 @@ TEST_CASE("powers are within the bound that grows with the logarithm of the resu
   check(worst, 0.2L);
   check(absolute, 0.2L);
   CHECK(vanishing.beyond == 0);
+}
+
+TEST_CASE("logarithms are within 3 units of themselves, powers of 2 within 2", "[elementary]") {
+  const auto asked = arguments([](Random& random, std::uint64_t i) {
+    double x = std::exp2(random.uniform(-126.0, 1.0));
+    if (i % 4 == 1) x = random.uniform(0.5, 1.0 + 0x1p-20);
+    if (i % 4 == 2) x = 1.0 - std::exp2(random.uniform(-24.0, -1.0));
+    return glm::vec4(static_cast<float>(x), static_cast<float>(random.uniform(-126.0, 127.0)), 0.0f, 0.0f);
+  });
+  const auto got = values_for(asked, "ask_logarithms.frag.glsl");
+  Worst logarithm, power;
+  for (std::size_t i = 0; i < asked.size(); ++i) {
+    const long double log = std::log2(static_cast<long double>(asked[i].x));
+    const long double exp = std::exp2(static_cast<long double>(asked[i].y));
+    logarithm.take(std::abs(static_cast<long double>(got[i].x) - log), 3.0L * kU * std::abs(log), asked[i]);
+    power.take(std::abs(static_cast<long double>(got[i].y) - exp), 2.0L * kU * exp, asked[i]);
+  }
+  check(logarithm, 0.5L);
+  check(power, 0.5L);
 }
 
 TEST_CASE("powers of 0 and of 1, and to the power of 0", "[elementary]") {
