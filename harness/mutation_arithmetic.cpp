@@ -136,14 +136,15 @@ MutationOracle numbers(GlContext& context, const char* source, const char* name)
 
 /// The image of noise: a layer for each frame, and no texel twice for one pixel.
 MutationOracle noise(GlContext& context) {
-  // Texels hold their own addresses; 63 * (3 + lights) blocks fill a layer but for 8 texels.
-  constexpr std::uint32_t kTexels = 512, kLayers = 2, kBlocks = 63 * 8, kFirst = 100;
+  // Texels hold their own addresses; the draws of 63 rays in 65 blocks fill a layer but for one texel.
+  constexpr int kNoiseSide = 96;
+  constexpr std::uint32_t kTexels = 4096, kLayers = 2, kDraws = 63 * 65, kFirst = 100;
   std::vector<glm::vec4> addresses(kTexels * kLayers);
   for (std::size_t i = 0; i < addresses.size(); ++i) addresses[i] = glm::vec4(static_cast<float>(i));
-  // 512 x 2 texels, and 128 x 8, whose rows are no layers.
-  InputTexels input{kSide, kSide, {}};
-  for (std::uint32_t i = 0; i < kSide * kSide; ++i) {
-    const std::uint32_t which = i % kBlocks, layer = i / kBlocks % kLayers;
+  // 4096 x 2 texels, and 128 x 64, whose rows are no layers.
+  InputTexels input{kNoiseSide, kNoiseSide, {}};
+  for (std::uint32_t i = 0; i < kNoiseSide * kNoiseSide; ++i) {
+    const std::uint32_t which = i % kDraws, layer = i / kDraws % kLayers;
     input.texels.emplace_back(37 * layer, kFirst + layer, 1 + which % 63, which / 63);
   }
   MutationOracle oracle;
@@ -151,7 +152,7 @@ MutationOracle noise(GlContext& context) {
   const ShaderText shader = random_shader("RANDOM_TEXTURE", "driver_random.frag.glsl");
   oracle.programs.push_back(active_lines(shader));
   oracle.ask = [&context, shader, input, addresses](const Mutant&) -> std::string {
-    for (const int width : {512, 128}) {
+    for (const int width : {4096, 128}) {
       const GlTexture texels(context, GL_RGBA32F, GL_RGBA, GL_FLOAT, width, static_cast<int>(addresses.size()) / width,
                              addresses.data());
       const auto set = [&](const GlProgram& program) {
@@ -159,10 +160,10 @@ MutationOracle noise(GlContext& context) {
         program.set("u_noise", 1);
         texels.bind(1);
       };
-      const auto got = run_small_pass(context, {shader, kSide, kSide, false, set}, input);
+      const auto got = run_small_pass(context, {shader, kNoiseSide, kNoiseSide, false, set}, input);
       for (std::uint32_t layer = 0; layer < kLayers; ++layer) {
         std::vector<bool> seen(kTexels, false);
-        for (std::uint32_t i = layer * kBlocks; i < (layer + 1) * kBlocks; ++i) {
+        for (std::uint32_t i = layer * kDraws; i < (layer + 1) * kDraws; ++i) {
           const auto address = static_cast<std::uint32_t>(std::bit_cast<glm::vec4>(got[i]).x);
           if (address / kTexels != layer) return "draw " + std::to_string(i) + " reads the layer of another frame";
           if (seen[address % kTexels]) return "draw " + std::to_string(i) + " reads a texel again";

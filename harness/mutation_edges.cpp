@@ -37,7 +37,7 @@ struct Edge {
 };
 
 bool is_asked(const Written& w) { return glm::vec3(w.light[1]) != glm::vec3(0.0f); }
-bool on_ground(const Written& w) { return w.channels[1].x == 6.0f; }  // the number of primitives
+bool on_ground(const Written& w) { return w.channels[1].x == 7.0f; }  // the number of primitives
 bool is_added(const Written& w) { return glm::vec3(w.sum) == glm::vec3(0.75f); }
 
 /// d of the ray below, n of the triangle that it hits, from a medium of index 1 into one of 1/2.
@@ -52,33 +52,38 @@ bool is_refracted_downwards(const glm::dvec3& told) {
 }
 
 /// Triangles in the plane z = 0, seen from above: plain; with normals in that plane; shining, with such normals; glass;
-/// air; thinner than air, with tilted normals. A light at (0, 0, 4). The round ground, of radius 2, stands at z = -8.
+/// air; thinner than air, with tilted normals; bumped, where u hardly grows. A light at (0, 0, 4). The round ground, of
+/// radius 1, stands at z = -8.
 Scene plane(bool has_ground) {
   Scene scene;
   scene.name = "edges";
-  scene.materials.resize(5);
+  scene.materials.resize(6);
   Material &shining = scene.materials[1], &glass = scene.materials[2], &air = scene.materials[3],
-           &thin = scene.materials[4];
+           &thin = scene.materials[4], &bumped = scene.materials[5];
   shining.diffuse = 0.0f, shining.specular = 1.0f, shining.shine = 0.0f, shining.glossy = 1.0f;
   glass.specular = 1.0f, glass.transmittance = 1.0f, glass.refraction_index = 2.0f;
   air.transmittance = 1.0f, air.refraction_index = 1.0f;
   thin.transmittance = 1.0f, thin.refraction_index = 0.5f;
+  bumped.bump_texture = 0, bumped.bump_scale = 1e6f;
+  scene.textures = {{"", 1, 3, {glm::vec3(0.0f), glm::vec3(0.25f), glm::vec3(1.0f)}}};
+  scene.texcoords = {{0.0f, 0.0f}, {0x1p-123f, 0.0f}, {0.0f, 1.0f}};
   scene.positions = {{-8.0f, -8.0f, 0.0f}, {8.0f, -8.0f, 0.0f}, {0.0f, 8.0f, 0.0f}};
   scene.normals = {{1.0f, 0.0f, 0.0f}, kTilted};
-  for (const std::uint32_t material : {0u, 0u, 1u, 2u, 3u, 4u}) {
+  for (const std::uint32_t material : {0u, 0u, 1u, 2u, 3u, 4u, 5u}) {
     Triangle& t = scene.triangles.emplace_back();
     t.position = {0, 1, 2};
     t.material = material;
     const bool has_normals = scene.triangles.size() == 2 || material == 1;
     if (has_normals) t.normal = {0, 0, 0};
     if (material == 4) t.normal = {1, 1, 1};
+    if (material == 5) t.texcoord = {0, 1, 2};
   }
   scene.lights = {{{0.0f, 0.0f, 4.0f}, glm::vec3(1.0f), true, 0.0f}};
   scene.background = glm::vec3(0.25f);
   scene.ground.normal = {0.0f, 0.0f, 1.0f};
   scene.ground.u_axis = {1.0f, 0.0f, 0.0f}, scene.ground.v_axis = {0.0f, 1.0f, 0.0f};
   scene.ground.center = {0.0f, 0.0f, -8.0f};
-  scene.ground.radius = has_ground ? 2.0f : 0.0f;
+  scene.ground.radius = has_ground ? 1.0f : 0.0f;
   return scene;
 }
 
@@ -92,7 +97,7 @@ std::vector<Edge> edges() {
     return Ray{{x, 0.0f, z}, {0.0f, 0.0f, dz}, t_max};
   };
   const auto missed = kWordMiss;
-  return {
+  std::vector<Edge> all{
       {"6.6: a light in the surface's plane is not asked, whatever n",
        down,
        kWordHit,
@@ -122,6 +127,7 @@ std::vector<Edge> edges() {
        {0.0f, 0.0f, 0.0f},
        2.0f,
        [](const Written& w) { return is_asked(w) && w.light[0].w == 1.0f; }},
+      {"6.4: n stays where no float holds A of the bump map", down, kWordHit, 6, {0.0f, 0.0f, 0.0f}, 2.0f, is_asked},
       {"6.6: a highlight where n.h is 0 is dark, for shine 0 too",
        mirrored,
        kWordHit,
@@ -164,7 +170,7 @@ std::vector<Edge> edges() {
        {0.0f, 0.0f, 0.0f},
        2.0f,
        [](const Written& w) { return is_refracted_downwards(glm::dvec3(w.scatter[3])); }},
-      {"6.8: the ground's rim is hit", ground_ray(2.0f, 0.0f, -1.0f, kInfinite), missed, 0, {}, 0.0f, on_ground},
+      {"6.8: the ground's rim is hit", ground_ray(1.0f, 0.0f, -1.0f, kInfinite), missed, 0, {}, 0.0f, on_ground},
       {"6.8: the ground is hit at t_max",
        ground_ray(0.0f, 0.0f, -1.0f, 8.0f),
        missed,
@@ -203,12 +209,10 @@ std::vector<Edge> edges() {
       {"6.8: a primitive at the same t stands before the ground",
        ground_ray(0.0f, 0.0f, -1.0f, kInfinite),
        kWordHit,
-       0,
+       3,
        {0.0f, 0.0f, -8.0f},
        8.0f,
-       [](const Written& w) {
-         return w.channels[1].x == 0.0f && glm::vec3(w.scatter[3]) == glm::vec3(0.0f) && is_asked(w);
-       }},
+       [](const Written& w) { return w.channels[1].x == 3.0f && glm::vec3(w.scatter[3]) != glm::vec3(0.0f); }},
       {"6.6: what is hit is in shadow",
        down,
        kWordHit,
@@ -245,6 +249,21 @@ std::vector<Edge> edges() {
        0.0f,
        [](const Written& w) { return w.light[2] == glm::vec4(0.0f); }},
   };
+  for (int i = 0; i < 8; ++i) {
+    const glm::vec3 there(0.1f, 0.2f, -8.0f),
+        afar = glm::vec3(1000.0f, 2000.0f, 3000.0f) + 37.0f * static_cast<float>(i);
+    all.push_back({"6.4: a hit of the ground lies in its plane, from however far",
+                   {afar, glm::normalize(there - afar), kInfinite},
+                   missed,
+                   0,
+                   {},
+                   0.0f,
+                   [](const Written& w) {
+                     const float above = w.light[0].z + 8.0f, delta = 0x1p-17f * 8.0f;
+                     return on_ground(w) && above > 0.9f * delta && above < 1.1f * delta;
+                   }});
+  }
+  return all;
 }
 
 std::vector<Edge> edges_without_ground() {
@@ -264,7 +283,8 @@ ShaderText shader_of(RenderPass pass) {
   ShadingVariant variant;
   variant.has_triangles = true;
   variant.random = RandomKind::texture;
-  variant.primitive_count = 6;
+  variant.primitive_count = 7;
+  variant.has_textures = true;
   return render_shader(pass, variant);
 }
 

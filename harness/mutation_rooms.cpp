@@ -50,13 +50,16 @@ void add_materials(Scene& scene, bool has_textures) {
   Material& relief = add({0.7f, 0.5f, 0.9f}, 0.7f, 0.4f, 9.0f);
   relief.diffuse_texture = 1, relief.bump_texture = 2, relief.bump_scale = 0.07f;
   Material& dents = add({0.5f, 0.9f, 0.6f}, 0.6f, 0.3f, 40.0f);
-  dents.bump_texture = 1, dents.bump_scale = -0.11f, dents.glossy = 0.1f;
+  dents.bump_texture = 0, dents.bump_scale = -0.11f, dents.glossy = 0.1f;
   Material& pane = add({0.9f, 0.9f, 1.0f}, 0.1f, 0.1f, 60.0f);
   pane.transmittance = 0.7f, pane.refraction_index = 1.25f, pane.bump_texture = 2, pane.bump_scale = 0.2f;
+  // Stands before the textures: what is read there in place of one.
+  Material& last = add({0.5f, 0.4f, 0.3f}, 0.8f, 0.0f, 3.0f);
+  last.bump_scale = 3.0f, last.glossy = 5.0f;
 }
 
-/// Every other triangle has normals of its own, on either side of it; two of three have texture coordinates, well
-/// beyond [0, 1], of either hand, and now and then such as span nothing.
+/// Every other triangle has normals of its own, on either side of it, now and then one of no length; two of three have
+/// texture coordinates, well beyond [0, 1], of either hand, now and then such as span nothing, or the unit triangle.
 void add_triangles(Scene& scene, std::uint32_t count, float side) {
   for (std::uint32_t i = 0; i < count; ++i) {
     const auto first = static_cast<std::uint32_t>(scene.triangles.size());
@@ -73,12 +76,17 @@ void add_triangles(Scene& scene, std::uint32_t count, float side) {
     normal = glm::normalize(glm::cross(corner[1] - corner[0], corner[2] - corner[0]));
     for (std::size_t k = 0; k < 3 && i % 2 == 0; ++k) {
       t.normal[k] = static_cast<std::uint32_t>(scene.normals.size());
-      scene.normals.push_back((i % 4 == 0 ? 2.0f : -0.5f) * (normal + cube_point(random, 0.9f)));
+      const float length = i % 8 == 2 && k == 1 ? 0.0f : i % 4 == 0 ? 2.0f : -0.5f;
+      scene.normals.push_back(length * (normal + cube_point(random, 0.9f)));
     }
     for (std::size_t k = 0; k < 3 && i % 3 != 0; ++k) {
       t.texcoord[k] = static_cast<std::uint32_t>(scene.texcoords.size());
       const glm::vec3 uv = cube_point(random, 3.0f);
-      scene.texcoords.emplace_back(uv.x, i % 7 == 1 ? uv.x : uv.y);
+      if (i % 5 == 4) {
+        scene.texcoords.emplace_back(k == 1, k == 2);
+      } else {
+        scene.texcoords.emplace_back(uv.x, i % 7 == 1 ? uv.x : uv.y);
+      }
     }
     scene.triangles.push_back(t);
   }
@@ -88,8 +96,8 @@ void add_spheres(Scene& scene, std::uint32_t count, float side) {
   for (std::uint32_t i = 0; i < count; ++i) {
     const auto number = static_cast<std::uint32_t>(scene.spheres.size());
     Random random(kSeed, name_hash("sphere"), number);
-    scene.spheres.push_back(
-        {cube_point(random, side), side * static_cast<float>(random.uniform(0.15, 0.35)), number % 6});
+    scene.spheres.push_back({cube_point(random, side), side * static_cast<float>(random.uniform(0.15, 0.35)),
+                             number % static_cast<std::uint32_t>(scene.materials.size())});
   }
 }
 
@@ -106,19 +114,19 @@ void add_nodes(Scene& scene) {
     scene.nodes.push_back({name, parent, of, transform, transform});
   };
   Transform sheared, mirrored, turned;
-  sheared.linear = glm::mat3(1.1f, 0.2f, -0.1f, 0.5f, 0.8f, 0.3f, -0.2f, 0.4f, 1.3f);
-  sheared.translation = {-1.6f, 0.7f, 0.6f};
-  mirrored.linear = glm::mat3(-0.9f, 0.3f, 0.0f, 0.4f, 1.4f, -0.2f, 0.1f, 0.2f, 0.6f);
-  mirrored.translation = {1.5f, -0.6f, 0.9f};
+  sheared.linear = glm::mat3(2.4f, 0.1f, 0.0f, 0.2f, 0.4f, 0.1f, -0.1f, 0.05f, 0.4f);
+  sheared.translation = {-0.6f, 0.4f, 2.5f};
+  mirrored.linear = glm::mat3(-0.3f, 0.1f, 0.5f, 0.1f, 0.4f, -0.9f, 0.1f, 0.2f, 1.1f);
+  mirrored.translation = {0.8f, 0.9f, 2.3f};
   turned.linear = glm::mat3(0.0f, 0.7f, 0.3f, -0.9f, 0.1f, 0.0f, 0.2f, 0.0f, 1.6f);
   turned.translation = {0.4f, 1.1f, -0.3f};
-  Transform below;
-  below.translation = {0.4f, -3.4f, 0.2f};
-  node("below", kNone, 0, below);
   node("sheared", kNone, 0, sheared);
   node("mirrored", kNone, 0, mirrored);
   node("group", kNone, kNone, turned);
-  node("inner", 3, 0, mirrored);
+  node("inner", 2, 0, mirrored);
+  Transform below;
+  below.translation = {0.4f, -3.4f, 0.2f};
+  node("below", kNone, 0, below);
 }
 
 }  // namespace
@@ -134,7 +142,10 @@ Scene mutation_room(MutationRoom room) {
   const bool has_textures = room != MutationRoom::balls;
   add_materials(scene, has_textures);
   if (room != MutationRoom::balls) add_triangles(scene, room == MutationRoom::papered ? 40 : 24, 1.8f);
-  if (room != MutationRoom::papered) add_spheres(scene, 12, 1.8f);
+  if (room != MutationRoom::papered) {
+    scene.spheres.push_back({{0.9f, -0.5f, 2.6f}, 0.35f, 2});
+    add_spheres(scene, 12, 1.8f);
+  }
   if (room == MutationRoom::furnished) add_nodes(scene);
   // Off the axes, with its rim in sight, above what it hides from the light below.
   Ground& ground = scene.ground;
