@@ -18,6 +18,10 @@ namespace {
 
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
 
+/// Triangles before those of the edges, so that texels fill more than a row where they stand in rows.
+constexpr std::uint32_t kFirst = 600, kEdgeTriangles = 8;
+static_assert(kShadingTriangleTexels * kFirst > kShadingWidth);
+
 /// What the passes write of one item.
 struct Written {
   std::array<glm::vec4, 3> light;
@@ -37,7 +41,7 @@ struct Edge {
 };
 
 bool is_asked(const Written& w) { return glm::vec3(w.light[1]) != glm::vec3(0.0f); }
-bool on_ground(const Written& w) { return w.channels[1].x == 7.0f; }  // the number of primitives
+bool on_ground(const Written& w) { return w.channels[1].x == kFirst + kEdgeTriangles; }
 bool is_added(const Written& w) { return glm::vec3(w.sum) == glm::vec3(0.75f); }
 
 /// d of the ray below, n of the triangle that it hits, from a medium of index 1 into one of 1/2.
@@ -52,31 +56,39 @@ bool is_refracted_downwards(const glm::dvec3& told) {
 }
 
 /// Triangles in the plane z = 0, seen from above: plain; with normals in that plane; shining, with such normals; glass;
-/// air; thinner than air, with tilted normals; bumped, where u hardly grows. A light at (0, 0, 4). The round ground, of
+/// air; thinner than air, with tilted normals; bumped, where u hardly
+/// grows; painted. Before them others, which nobody hits. A light at (0, 0, 4). The round ground, of
 /// radius 1, stands at z = -8.
 Scene plane(bool has_ground) {
   Scene scene;
   scene.name = "edges";
-  scene.materials.resize(6);
+  scene.materials.resize(7);
   Material &shining = scene.materials[1], &glass = scene.materials[2], &air = scene.materials[3],
-           &thin = scene.materials[4], &bumped = scene.materials[5];
+           &thin = scene.materials[4], &bumped = scene.materials[5], &painted = scene.materials[6];
   shining.diffuse = 0.0f, shining.specular = 1.0f, shining.shine = 0.0f, shining.glossy = 1.0f;
   glass.specular = 1.0f, glass.transmittance = 1.0f, glass.refraction_index = 2.0f;
   air.transmittance = 1.0f, air.refraction_index = 1.0f;
   thin.transmittance = 1.0f, thin.refraction_index = 0.5f;
-  bumped.bump_texture = 0, bumped.bump_scale = 1e6f;
-  scene.textures = {{"", 1, 3, {glm::vec3(0.0f), glm::vec3(0.25f), glm::vec3(1.0f)}}};
-  scene.texcoords = {{0.0f, 0.0f}, {0x1p-123f, 0.0f}, {0.0f, 1.0f}};
+  bumped.bump_texture = 1, bumped.bump_scale = 1e6f;
+  painted.diffuse_texture = 2;
+  scene.textures = {
+      {"", 80, 60, std::vector<glm::vec3>(4800)},
+      {"", 1, 3, {glm::vec3(0.0f), glm::vec3(0.25f), glm::vec3(1.0f)}},
+      {"", 2, 2, {glm::vec3(1.0f, 0.5f, 0.25f), glm::vec3(0.0f), glm::vec3(0.5f, 0.25f, 0.125f), glm::vec3(0.0f)}}};
+  scene.texcoords = {{0.0f, 0.0f}, {0x1p-123f, 0.0f}, {0.0f, 1.0f}, {1.0f, 0.0f}};
   scene.positions = {{-8.0f, -8.0f, 0.0f}, {8.0f, -8.0f, 0.0f}, {0.0f, 8.0f, 0.0f}};
   scene.normals = {{1.0f, 0.0f, 0.0f}, kTilted};
-  for (const std::uint32_t material : {0u, 0u, 1u, 2u, 3u, 4u, 5u}) {
+  scene.triangles.resize(kFirst);
+  for (Triangle& t : scene.triangles) t.position = {0, 1, 2};
+  for (const std::uint32_t material : {0u, 0u, 1u, 2u, 3u, 4u, 5u, 6u}) {
     Triangle& t = scene.triangles.emplace_back();
     t.position = {0, 1, 2};
     t.material = material;
-    const bool has_normals = scene.triangles.size() == 2 || material == 1;
+    const bool has_normals = scene.triangles.size() == kFirst + 2 || material == 1;
     if (has_normals) t.normal = {0, 0, 0};
     if (material == 4) t.normal = {1, 1, 1};
     if (material == 5) t.texcoord = {0, 1, 2};
+    if (material == 6) t.texcoord = {0, 3, 2};
   }
   scene.lights = {{{0.0f, 0.0f, 4.0f}, glm::vec3(1.0f), true, 0.0f}};
   scene.background = glm::vec3(0.25f);
@@ -128,6 +140,13 @@ std::vector<Edge> edges() {
        2.0f,
        [](const Written& w) { return is_asked(w) && w.light[0].w == 1.0f; }},
       {"6.4: n stays where no float holds A of the bump map", down, kWordHit, 6, {0.0f, 0.0f, 0.0f}, 2.0f, is_asked},
+      {"6.4: C is the texture's",
+       down,
+       kWordHit,
+       7,
+       {0.0f, 0.0f, 0.0f},
+       2.0f,
+       [](const Written& w) { return glm::vec3(w.light[2]) == glm::vec3(0.75f, 0.375f, 0.1875f); }},
       {"6.6: a highlight where n.h is 0 is dark, for shine 0 too",
        mirrored,
        kWordHit,
@@ -212,7 +231,7 @@ std::vector<Edge> edges() {
        3,
        {0.0f, 0.0f, -8.0f},
        8.0f,
-       [](const Written& w) { return w.channels[1].x == 3.0f && glm::vec3(w.scatter[3]) != glm::vec3(0.0f); }},
+       [](const Written& w) { return w.channels[1].x == kFirst + 3 && glm::vec3(w.scatter[3]) != glm::vec3(0.0f); }},
       {"6.6: what is hit is in shadow",
        down,
        kWordHit,
@@ -279,17 +298,18 @@ std::vector<Edge> edges_without_ground() {
 constexpr std::array<RenderPass, 4> kPasses{RenderPass::light, RenderPass::scatter, RenderPass::channels,
                                             RenderPass::add_light};
 
-ShaderText shader_of(RenderPass pass) {
+ShaderText shader_of(RenderPass pass, GlslDialect dialect) {
   ShadingVariant variant;
   variant.has_triangles = true;
   variant.random = RandomKind::texture;
-  variant.primitive_count = 7;
+  variant.primitive_count = kFirst + kEdgeTriangles;
   variant.has_textures = true;
-  return render_shader(pass, variant);
+  return render_shader(pass, variant, PassTap::none, {}, dialect);
 }
 
 /// Draws all passes over the edges, side by side in one row.
-std::vector<Written> drawn(GlContext& context, const Scene& scene, const std::vector<Edge>& edges) {
+std::vector<Written> drawn(GlContext& context, const Scene& scene, const std::vector<Edge>& edges,
+                           GlslDialect dialect) {
   const int count = static_cast<int>(edges.size());
   std::array<std::vector<glm::vec4>, 2> rays;
   std::array<std::vector<glm::uvec4>, 3> hits;
@@ -297,7 +317,7 @@ std::vector<Written> drawn(GlContext& context, const Scene& scene, const std::ve
   for (const Edge& e : edges) {
     rays[0].emplace_back(e.ray.origin, e.ray.t_max), rays[1].emplace_back(e.ray.direction, 1.0f);
     const glm::vec3& p = e.position;
-    hits[0].emplace_back(e.kind + 8 * e.triangle, bits(e.t), 0, 0);
+    hits[0].emplace_back(e.kind + 8 * (kFirst + e.triangle), bits(e.t), 0, 0);
     hits[1].emplace_back(bits(p.x), bits(p.y), bits(p.z), bits(0.25f));
     hits[2].emplace_back(0, 0, bits(1.0f), bits(0.5f));
   }
@@ -307,13 +327,22 @@ std::vector<Written> drawn(GlContext& context, const Scene& scene, const std::ve
   std::vector<GlTexture> inputs;  // unit i
   ShadingImage shading = shading_image(scene);
   const Light& light = scene.lights[0];
-  inputs.push_back(GlTexture::linear(
-      context, std::array{glm::vec4(light.position, light.radius), glm::vec4(light.color, light.has_color)}));
+  // A line of texels, or where there are no buffer textures rows of this width.
+  const auto lined_up = [&](std::vector<glm::vec4> texels, int width) {
+    if (dialect == GlslDialect::glsl_330) return GlTexture::linear(context, texels);
+    const int rows = (static_cast<int>(texels.size()) + width - 1) / width;
+    texels.resize(static_cast<std::size_t>(rows * width));
+    return GlTexture(context, GL_RGBA32F, GL_RGBA, GL_FLOAT, width, rows, texels.data());
+  };
+  constexpr int kWidth = 4, kLights = 5;  // of the geometry image, which holds the lights alone
+  std::vector<glm::vec4> geometry(kLights);
+  geometry.emplace_back(light.position, light.radius), geometry.emplace_back(light.color, light.has_color);
+  inputs.push_back(lined_up(geometry, kWidth));
   inputs.push_back(floats(rays[0])), inputs.push_back(floats(rays[1]));
   for (const auto& words : hits)
     inputs.emplace_back(context, GL_RGBA32UI, GL_RGBA_INTEGER, GL_UNSIGNED_INT, count, 1, words.data());
-  inputs.push_back(GlTexture::linear(context, shading.texels));
-  inputs.push_back(GlTexture::linear(context, shading.texture_texels));
+  inputs.push_back(lined_up(shading.texels, kShadingWidth));
+  inputs.push_back(lined_up(shading.texture_texels, kShadingWidth));
   inputs.push_back(floats({glm::vec4(0.0f, 0.5f, 0.5f, 0.0f)}));  // a noise that is (-1, 0, 0)
   const std::vector<glm::vec4> sums(edges.size(), {0.5f, 0.5f, 0.5f, 1.0f}),
       brought(edges.size(), {0.25f, 0.25f, 0.25f, 2.0f});
@@ -332,9 +361,11 @@ std::vector<Written> drawn(GlContext& context, const Scene& scene, const std::ve
     for (int i = 0; i < outputs; ++i)
       targets[static_cast<std::size_t>(i)] = GlTexture(context, GL_RGBA32F, GL_RGBA, GL_FLOAT, count, 1);
     const GlFramebuffer framebuffer(context, targets.data(), outputs);
-    const GlProgram program(context, link_program(context, probe_vertex_shader(), shader_of(pass)));
+    const GlProgram program(context, link_program(context, probe_vertex_shader(dialect), shader_of(pass, dialect)));
     program.use();
-    set_pass(program, {}, {});
+    PassConstants constants;
+    constants.shape = {kWidth - 1, 2, 0, 0};
+    set_pass(program, constants, {});
     for (std::size_t unit = 0; unit < inputs.size(); ++unit) {
       inputs[unit].bind(static_cast<int>(unit));
       program.set(kNames[unit], static_cast<int>(unit));
@@ -345,7 +376,7 @@ std::vector<Written> drawn(GlContext& context, const Scene& scene, const std::ve
     const auto at = [](std::uint32_t i) { return static_cast<int>(i); };
     program.set("u_starts", glm::ivec4(at(shading.material_start), at(shading.texture_start),
                                        at(shading.triangle_start), at(shading.sphere_start)));
-    program.set("u_scene", glm::ivec4(at(shading.instance_start), at(scene.primitive_count()), 0, 1));
+    program.set("u_scene", glm::ivec4(at(shading.instance_start), at(scene.primitive_count()), kLights, 1));
     program.set("u_effects", glm::vec4(0.0f, 0.0f, 1.0f, 0.0f));
     program.set("u_background", glm::vec4(scene.background, 0.0f));
     gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
@@ -370,13 +401,20 @@ std::vector<Written> drawn(GlContext& context, const Scene& scene, const std::ve
 
 std::vector<MutationOracle> edge_oracles(GlContext& context) {
   std::vector<MutationOracle> oracles;
-  for (const bool has_ground : {true, false}) {
+  struct Asked {
+    const char* name;
+    bool has_ground;
+    GlslDialect dialect;
+  };
+  for (const Asked& asked :
+       {Asked{"edges.shading", true, GlslDialect::glsl_330}, Asked{"edges.no_ground", false, GlslDialect::glsl_330},
+        Asked{"edges.es", true, GlslDialect::es_300}}) {
     MutationOracle& oracle = oracles.emplace_back();
-    oracle.name = has_ground ? "edges.shading" : "edges.no_ground";
-    for (const RenderPass pass : kPasses) oracle.programs.push_back(active_lines(shader_of(pass)));
-    oracle.ask = [&context, scene = plane(has_ground),
-                  all = has_ground ? edges() : edges_without_ground()](const Mutant&) -> std::string {
-      const std::vector<Written> written = drawn(context, scene, all);
+    oracle.name = asked.name;
+    for (const RenderPass pass : kPasses) oracle.programs.push_back(active_lines(shader_of(pass, asked.dialect)));
+    oracle.ask = [&context, dialect = asked.dialect, scene = plane(asked.has_ground),
+                  all = asked.has_ground ? edges() : edges_without_ground()](const Mutant&) -> std::string {
+      const std::vector<Written> written = drawn(context, scene, all, dialect);
       for (std::size_t i = 0; i < all.size(); ++i)
         if (!all[i].holds(written[i])) return std::string("not so: ") + all[i].what;
       return {};

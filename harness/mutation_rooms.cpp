@@ -118,7 +118,7 @@ void add_nodes(Scene& scene) {
   sheared.translation = {-0.6f, 0.4f, 2.5f};
   mirrored.linear = glm::mat3(-0.3f, 0.1f, 0.5f, 0.1f, 0.4f, -0.9f, 0.1f, 0.2f, 1.1f);
   mirrored.translation = {0.8f, 0.9f, 2.3f};
-  turned.linear = glm::mat3(0.0f, 0.7f, 0.3f, -0.9f, 0.1f, 0.0f, 0.2f, 0.0f, 1.6f);
+  turned.linear = glm::mat3(0.5f, 0.1f, 0.0f, 0.0f, 0.2f, 0.5f, 0.1f, 0.9f, 0.1f);
   turned.translation = {0.4f, 1.1f, -0.3f};
   node("sheared", kNone, 0, sheared);
   node("mirrored", kNone, 0, mirrored);
