@@ -19,7 +19,7 @@ namespace {
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
 
 /// Triangles before those of the edges, so that texels fill more than a row where they stand in rows.
-constexpr std::uint32_t kFirst = 600, kEdgeTriangles = 8;
+constexpr std::uint32_t kFirst = 600, kEdgeTriangles = 9;
 static_assert(kShadingTriangleTexels * kFirst > kShadingWidth);
 
 /// What the passes write of one item.
@@ -57,8 +57,8 @@ bool is_refracted_downwards(const glm::dvec3& told) {
 
 /// Triangles in the plane z = 0, seen from above: plain; with normals in that plane; shining, with such normals; glass;
 /// air; thinner than air, with tilted normals; bumped, where u hardly
-/// grows; painted. Before them others, which nobody hits. A light at (0, 0, 4). The round ground, of
-/// radius 1, stands at z = -8.
+/// grows; painted; with normals that cancel. Before them others, which nobody hits. A light at (0, 0, 4). The round
+/// ground, of radius 1, stands at z = -8.
 Scene plane(bool has_ground) {
   Scene scene;
   scene.name = "edges";
@@ -77,10 +77,10 @@ Scene plane(bool has_ground) {
       {"", 2, 2, {glm::vec3(1.0f, 0.5f, 0.25f), glm::vec3(0.0f), glm::vec3(0.5f, 0.25f, 0.125f), glm::vec3(0.0f)}}};
   scene.texcoords = {{0.0f, 0.0f}, {0x1p-123f, 0.0f}, {0.0f, 1.0f}, {1.0f, 0.0f}};
   scene.positions = {{-8.0f, -8.0f, 0.0f}, {8.0f, -8.0f, 0.0f}, {0.0f, 8.0f, 0.0f}};
-  scene.normals = {{1.0f, 0.0f, 0.0f}, kTilted};
+  scene.normals = {{1.0f, 0.0f, 0.0f}, kTilted, {-1.0f, 0.0f, 0.0f}};
   scene.triangles.resize(kFirst);
   for (Triangle& t : scene.triangles) t.position = {0, 1, 2};
-  for (const std::uint32_t material : {0u, 0u, 1u, 2u, 3u, 4u, 5u, 6u}) {
+  for (const std::uint32_t material : {0u, 0u, 1u, 2u, 3u, 4u, 5u, 6u, 0u}) {
     Triangle& t = scene.triangles.emplace_back();
     t.position = {0, 1, 2};
     t.material = material;
@@ -89,6 +89,7 @@ Scene plane(bool has_ground) {
     if (material == 4) t.normal = {1, 1, 1};
     if (material == 5) t.texcoord = {0, 1, 2};
     if (material == 6) t.texcoord = {0, 3, 2};
+    if (scene.triangles.size() == kFirst + 9) t.normal = {0, 0, 2};
   }
   scene.lights = {{{0.0f, 0.0f, 4.0f}, glm::vec3(1.0f), true, 0.0f}};
   scene.background = glm::vec3(0.25f);
@@ -147,6 +148,21 @@ std::vector<Edge> edges() {
        {0.0f, 0.0f, 0.0f},
        2.0f,
        [](const Written& w) { return glm::vec3(w.light[2]) == glm::vec3(0.75f, 0.375f, 0.1875f); }},
+      {"6.4: n is N where the normals cancel", down, kWordHit, 8, {0.0f, 0.0f, 0.0f}, 2.0f, is_asked},
+      {"6.7: what leaves is of unit length, along x",
+       {{-2.0f, 0.0f, 0.0f}, {1e30f, 0.0f, 0.0f}, kInfinite},
+       kWordHit,
+       3,
+       {0.0f, 0.0f, 0.0f},
+       2.0f,
+       [](const Written& w) { return glm::vec3(w.scatter[1]) == glm::vec3(1.0f, 0.0f, 0.0f); }},
+      {"6.7: what leaves is of unit length, along y",
+       {{0.0f, -2.0f, 0.0f}, {0.0f, 1e30f, 0.0f}, kInfinite},
+       kWordHit,
+       3,
+       {0.0f, 0.0f, 0.0f},
+       2.0f,
+       [](const Written& w) { return glm::vec3(w.scatter[1]) == glm::vec3(0.0f, 1.0f, 0.0f); }},
       {"6.6: a highlight where n.h is 0 is dark, for shine 0 too",
        mirrored,
        kWordHit,

@@ -29,6 +29,8 @@ std::vector<MutationOracle> walk_oracles(GlContext& context);
 std::vector<MutationOracle> ray_walk_oracles(GlContext& context);
 /// Single files: exact and elementary arithmetic, random numbers, sums of samples.
 std::vector<MutationOracle> arithmetic_oracles(GlContext& context);
+/// Exact scaling, and the triangle test alone.
+std::vector<MutationOracle> geometry_oracles(GlContext& context);
 /// What is around the walks: another dialect, the pixels of a pass, counts.
 std::vector<MutationOracle> pass_oracles(GlContext& context);
 /// Shading at the borders of its cases, with numbers that are exact.
