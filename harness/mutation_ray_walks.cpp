@@ -129,7 +129,9 @@ MutationOracle oracle_of(GlContext& context, const Asked& a) {
     };
     return oracle;
   }
-  oracle.ask = [&context, &rays, image, a, alone, is_clear, judge_of_rays, drifts](const Mutant&) -> std::string {
+  auto passed = std::make_shared<std::vector<Hit>>();
+  oracle.ask = [&context, &rays, image, a, alone, passed, is_clear, judge_of_rays,
+                drifts](const Mutant&) -> std::string {
     std::vector<Hit> hits = walked(context, *image, a, rays.rays);
     if (a.query == RayQuery::any) {
       for (std::size_t i = 0; i < hits.size(); ++i)
@@ -140,7 +142,7 @@ MutationOracle oracle_of(GlContext& context, const Asked& a) {
       return {};
     }
     for (std::size_t i = 0; i < hits.size() && drifts; ++i) hits[i].transforms = (*alone)[i].transforms;
-    return first_failure(judge_of_rays, rays, hits);
+    return first_failure(judge_of_rays, rays, hits, *passed);
   };
   return oracle;
 }

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
 #include <map>
 #include <tuple>
 
@@ -121,6 +124,57 @@ std::vector<Ray> rays_of_slats() {
   return rays;
 }
 
+Scene few() {
+  Scene scene;
+  scene.materials.resize(1);
+  scene.spheres = {{{-1.0f, 0.2f, 0.1f}, 0.4f, 0}, {{0.9f, -0.3f, 0.4f}, 0.3f, 0}, {{0.1f, 0.8f, -0.9f}, 0.5f, 0}};
+  add_triangle(scene, {-1.5f, -1.0f, -1.0f}, {1.5f, -1.2f, -0.8f}, {0.0f, -0.9f, 1.4f});
+  add_triangle(scene, {1.2f, 1.0f, -1.0f}, {1.4f, 1.1f, 0.9f}, {1.3f, -0.2f, 0.1f});
+  frame_camera(scene);
+  return scene;
+}
+
+/// `factor` is a power of two: all numbers stay exact. Then everything in the world is moved.
+Scene scaled(Scene scene, float factor, const glm::vec3& by) {
+  for (glm::vec3& p : scene.positions) p *= factor;
+  for (Sphere& s : scene.spheres) s.center *= factor, s.radius *= factor;
+  for (Node& n : scene.nodes) {
+    n.transform.translation *= factor;
+    if (n.parent == kNone) n.transform.translation += factor * by;
+    n.rest = n.transform;
+  }
+  frame_camera(scene);
+  return scene;
+}
+
+/// One part around the origin of instances of very different sizes, which all fill the world to some extent.
+Scene apart() {
+  Scene scene;
+  scene.materials.resize(1);
+  Random random(kSeed, name_hash("apart"), 0);
+  for (int i = 0; i < 6; ++i) {
+    const glm::vec3 at = cube_point(random);
+    add_triangle(scene, at + 0.7f * cube_point(random), at + 0.7f * cube_point(random), at + 0.7f * cube_point(random));
+  }
+  for (int i = 0; i < 3; ++i) scene.spheres.push_back({cube_point(random), 0.3f, 0});
+  scene.parts.push_back({"piece", 0, 6, 0, 3});
+  const auto node = [&](const char* name, std::uint32_t parent, std::uint32_t part, float scale, const glm::vec3& to) {
+    Transform t;
+    t.linear = scale * glm::mat3(0.6f, 0.8f, 0.0f, -0.8f, 0.6f, 0.0f, 0.0f, 0.1f, 1.1f);
+    t.translation = to;
+    scene.nodes.push_back({name, parent, part, t, t});
+  };
+  node("small", kNone, 0, 0x1p-20f, glm::vec3(0.0f));
+  node("middle", kNone, 0, 1.0f, {3.0f, 0.5f, -0.5f});
+  node("large", kNone, 0, 0x1p20f, glm::vec3(0.0f));
+  node("large group", kNone, kNone, 0x1p40f, {-3.0f, 1.0f, 0.5f});
+  node("small in large", 3, 0, 0x1p-40f, glm::vec3(0.0f));
+  node("small group", kNone, kNone, 0x1p-45f, {0.5f, -3.0f, 1.0f});
+  node("large in small", 5, 0, 0x1p45f, glm::vec3(0.0f));
+  frame_camera(scene);
+  return scene;
+}
+
 Scene made(MutationScene scene) {
   switch (scene) {
     case MutationScene::mixed:
@@ -139,10 +193,73 @@ Scene made(MutationScene scene) {
       return doubles(false);
     case MutationScene::slats:
       return slats();
+    case MutationScene::few:
+      return few();
+    case MutationScene::speck:
+      return scaled(strewn(48, 24), 0x1p-70f, {});
+    case MutationScene::giant:
+      return scaled(load_scene("nested"), 0x1p60f, {40.0f, -30.0f, 20.0f});
+    case MutationScene::apart:
+      return apart();
     case MutationScene::scales:
       break;
   }
   return load_scene("scales");
+}
+
+/// Rays that no family has, or few of: from as far as floats reach, towards the origin of the world or along an axis
+/// (all of them exact), towards the ball and away from it; along axes and diagonals; with directions of denormal
+/// numbers, and tiny components; with ends before the start and none at all.
+std::vector<Ray> odd_rays(const Ball& ball) {
+  std::vector<Ray> rays;
+  const auto size = static_cast<float>(ball.radius);
+  const glm::vec3 center(ball.center);
+  const int unit = std::ilogb(ball.radius);
+  Random random(kSeed, name_hash("odd rays"), 0);
+  const auto near_center = [&] { return center + 0.5f * size * cube_point(random); };
+  const auto is_float = [](int exponent) { return exponent > -100 && exponent < 125; };
+  for (const int k : {3, 4, 6, 9, 12, 15, 16, 17, 18, 20, 25, 33, 45, 60, 80, 100, 118, 124}) {
+    if (!is_float(k + unit)) continue;
+    const float away = std::ldexp(1.0f, k + unit);
+    for (int i = 0; i < 6; ++i) {
+      const float sign = i % 2 == 0 ? 1.0f : -1.0f;
+      glm::vec3 direction(0.0f), origin = near_center();
+      direction[i / 2] = std::ldexp(sign, static_cast<int>(random.below(40)) - 20);
+      origin[i / 2] = -sign * away;
+      rays.push_back({origin, direction});
+      const glm::vec3 any(random.direction());
+      rays.push_back({-away * any, any});
+      if (i == k % 6) rays.push_back({away * any, any}), rays.push_back({-origin, direction});
+    }
+  }
+  for (int i = 0; i < 24; ++i) {
+    const float sign = i % 2 == 0 ? 1.0f : -1.0f;
+    glm::vec3 direction(0.0f);
+    direction[i % 3] = sign;
+    if (i >= 12) direction[(i + 1) % 3] = i % 4 < 2 ? 1.0f : -1.0f;
+    if (i >= 18) direction[(i + 2) % 3] = sign;
+    rays.push_back({near_center() - 1.5f * size * direction, direction});
+    rays.push_back({near_center(), direction});
+    const glm::vec3 any(random.direction()), from = near_center() - 2.0f * size * any;
+    rays.push_back({from, std::ldexp(1.0f, i - 149) * any});
+    // To or past the first thing, to the start, before it.
+    rays.push_back({from, any, std::array{0.0f, -1.0f, size, 2.0f * size}[static_cast<std::size_t>(i % 4)]});
+    glm::vec3 tiny = direction;
+    tiny[(i + 1) % 3] += std::ldexp(sign, -20 - 5 * i), tiny[(i + 2) % 3] -= std::ldexp(1.0f, -140 + i);
+    glm::vec3 start = near_center() - 2.0f * size * direction;
+    if (center == glm::vec3(0.0f) || i % 2 == 0) start[(i + 1) % 3] = std::ldexp(sign, -130 + 2 * i);
+    rays.push_back({start, tiny});
+  }
+  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN(), kInfinite = std::numeric_limits<float>::infinity();
+  const glm::vec3 along(0.0f, 0.0f, 1.0f);
+  for (const float odd : {kNaN, kInfinite, -kInfinite, std::bit_cast<float>(0x7f800001u)}) {
+    rays.push_back({glm::vec3(odd, 0.0f, 0.0f), along});
+    rays.push_back({center, glm::vec3(0.0f, odd, 1.0f)});
+    rays.push_back({center, along, odd});
+  }
+  for (const float least : {std::bit_cast<float>(1u), -std::bit_cast<float>(1u), 0.0f})
+    rays.push_back({near_center(), glm::vec3(0.0f, least, 0.0f)});
+  return rays;
 }
 
 /// Cuts rays into those whose walks end in the first pass and the others.
@@ -175,8 +292,9 @@ void know(GlContext& context, const Stage& stage, MutationRays& rays) {
 }  // namespace
 
 const char* name_of(MutationScene scene) {
-  static constexpr std::array<const char*, 9> kNames{"mixed",   "spheres", "triangles", "nested", "spheres_placed",
-                                                     "doubles", "twins",   "slats",     "scales"};
+  static constexpr std::array<const char*, 13> kNames{"mixed",   "spheres", "triangles", "nested", "spheres_placed",
+                                                      "doubles", "twins",   "slats",     "scales", "few",
+                                                      "speck",   "giant",   "apart"};
   return kNames[static_cast<std::size_t>(scene)];
 }
 
@@ -189,8 +307,11 @@ const MutationStage& mutation_stage(GlContext& context, MutationScene scene) {
   const Stage& stage = made_stage->stage;
   std::vector<Ray> plain, rare;
   Probe probe(context, stage.image);
-  sort_out(probe, scene == MutationScene::slats ? rays_of_slats() : mixed_rays(stage.rays, kSeed, kRaysOfFamily), plain,
-           rare);
+  const std::vector<Ray> rays =
+      scene == MutationScene::slats ? rays_of_slats() : mixed_rays(stage.rays, kSeed, kRaysOfFamily);
+  sort_out(probe, rays, plain, rare);
+  made_stage->plain.odd_from = plain.size();
+  sort_out(probe, odd_rays(stage.rays.ball), plain, rare);
   PLUMBLINE_ASSERT(!rare.empty());
   made_stage->plain.rays = plain;
   // Rare rays have ordinary ones for neighbours.
@@ -202,11 +323,17 @@ const MutationStage& mutation_stage(GlContext& context, MutationScene scene) {
   return *made_stage;
 }
 
-std::string first_failure(const Judge& judge_of_rays, const MutationRays& rays, const std::vector<Hit>& hits) {
+std::string first_failure(const Judge& judge_of_rays, const MutationRays& rays, const std::vector<Hit>& hits,
+                          std::vector<Hit>& passed) {
+  Hit none;
+  none.kind = HitKind::capped;
+  passed.resize(hits.size(), none);
   for (std::size_t i = 0; i < hits.size(); ++i) {
+    if (hits[i].transforms == passed[i].transforms && same_bits(hits[i], passed[i])) continue;
     const Judgement j = judge(judge_of_rays, rays.rays[i], hits[i], rays.truth[i]);
     if (is_failure(j.verdict))
       return "ray " + std::to_string(i) + " " + std::string(verdict_name(j.verdict)) + ": " + j.reason;
+    passed[i] = hits[i];
   }
   return {};
 }

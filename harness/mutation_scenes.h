@@ -20,12 +20,17 @@ enum class MutationScene {
   twins,           ///< the same without instances
   slats,           ///< triangles that all of the rays see edge-on
   scales,          ///< the shipped scene of instances of very different sizes
+  few,             ///< three spheres and two triangles
+  speck,           ///< `mixed`, 2^-70 times as large
+  giant,           ///< `nested`, 2^60 times as large, and off the origin
+  apart,           ///< instances 2^-20, 1 and 2^20 times as large, in one another too
 };
 const char* name_of(MutationScene scene);
 
 /// Rays and what is known of them without a mutant.
 struct MutationRays {
   std::vector<Ray> rays;
+  std::size_t odd_from = 0;                     ///< of the plain ones: where those begin that no family has
   std::vector<ReferenceHit> truth;              ///< Embree's
   std::vector<Hit> brute_compact, brute_paper;  ///< loops over all primitives of the image of either layout
 };
@@ -40,8 +45,10 @@ struct MutationStage {
 /// Made when it is first asked for, in a context without patches.
 const MutationStage& mutation_stage(GlContext& context, MutationScene scene);
 
-/// The first ray whose answer fails by its verdict: what is wrong with it. Empty where none does.
-std::string first_failure(const Judge& judge, const MutationRays& rays, const std::vector<Hit>& hits);
+/// The first ray whose answer fails by its verdict: what is wrong with it. Empty where none does. `passed` keeps
+/// answers that have passed, for the same judge and rays, so that they are not judged again.
+std::string first_failure(const Judge& judge, const MutationRays& rays, const std::vector<Hit>& hits,
+                          std::vector<Hit>& passed);
 /// The first ray that names a primitive although the same stands in the world, in an instance of a lower number, or has
 /// a lower number itself (SEMANTICS 5).
 std::string first_wrong_tie(const Scene& scene, const std::vector<Ray>& rays, const std::vector<Hit>& hits);

@@ -48,7 +48,8 @@ std::string name_of(const Program& p) {
   std::string name = std::string(name_of(p.scene)) + "." + name_of(p.options.layout) + "_" + name_of(p.options.bounds) +
                      "_" + name_of(p.options.links);
   if (p.scene == MutationScene::nested || p.scene == MutationScene::spheres_placed ||
-      p.scene == MutationScene::doubles || p.scene == MutationScene::scales)
+      p.scene == MutationScene::doubles || p.scene == MutationScene::scales || p.scene == MutationScene::giant ||
+      p.scene == MutationScene::apart)
     name += std::string("_") + name_of(p.options.transform_out);
   if (p.traversal == Traversal::brute_force) name += ".brute_force";
   if (p.bundle > 1) name += ".bundles_of_" + std::to_string(p.bundle);
@@ -116,7 +117,7 @@ MutationOracle oracle_of(GlContext& context, const Program& p) {
   oracle.programs = lines_of(*image, p);
   const MutationRays& rays = p.rare ? stage.rare : stage.plain;
   const bool drifts = p.options.transform_out == TransformOut::inverse;
-  auto alone = std::make_shared<std::vector<Hit>>();
+  auto alone = std::make_shared<std::vector<Hit>>(), passed = std::make_shared<std::vector<Hit>>();
   if (p.bundle > 1 && drifts) {
     alone->resize(rays.rays.size());
     Probe(context, *image).trace(rays.rays, *alone);
@@ -127,8 +128,8 @@ MutationOracle oracle_of(GlContext& context, const Program& p) {
       model.push_back(is_defined(ray) ? model_walk(*image, ray) : ModelWalk{0, 0, 0, false});
   std::vector<Ray> clear;  // rays that end in the first pass, whoever walks with them
   for (std::size_t i = 0; i < model.size() && !drifts; ++i)
-    if (model[i].is_clear) clear.push_back(rays.rays[i]);
-  oracle.ask = [&context, &stage, &rays, image, p, drifts, alone, model, clear](const Mutant& mutant) {
+    if (model[i].is_clear && i < rays.odd_from) clear.push_back(rays.rays[i]);
+  oracle.ask = [&context, &stage, &rays, image, p, drifts, alone, passed, model, clear](const Mutant& mutant) {
     Probe probe = p.bundle > 1 ? Probe(context, *image, BundleSize{p.bundle}) : Probe(context, *image, p.traversal);
     if (!clear.empty()) {
       std::vector<Hit> ended(clear.size());
@@ -149,7 +150,7 @@ MutationOracle oracle_of(GlContext& context, const Program& p) {
     }
     if (p.scene == MutationScene::doubles || p.scene == MutationScene::twins)
       if (const std::string what = first_wrong_tie(stage.stage.scene, rays.rays, hits); !what.empty()) return what;
-    return first_failure(stage.stage.judge_of(p.options.transform_out), rays, hits);
+    return first_failure(stage.stage.judge_of(p.options.transform_out), rays, hits, *passed);
   };
   return oracle;
 }
@@ -180,6 +181,13 @@ std::vector<MutationOracle> walk_oracles(GlContext& context) {
       {S::mixed, compact, tree, 1, true},
       {S::triangles, paper_boxes, tree, 1, true},
       {S::slats, compact, tree, 1, true},
+      {S::few, compact},
+      {S::few, paper},
+      {S::speck, compact, tree, 1, true},
+      {S::giant, compact, tree, 1, true},
+      {S::giant, paper, tree, 1, true},
+      {S::apart, compact, tree, 1, true},
+      {S::apart, drift, tree, 1, true},
       {S::twins, compact},
       {S::doubles, compact},
       {S::nested, compact},
