@@ -18,7 +18,8 @@ struct Asked {
   BakeOptions options;
   int bundle = 1;
   RayQuery query = RayQuery::nearest;
-  bool alike = false;  ///< rays that end in the first pass, each in a bundle of its own: they walk as the model does
+  bool alike = false;   ///< rays that end in the first pass, each in a bundle of its own: they walk as the model does
+  bool sliced = false;  ///< the walk takes many passes
 };
 
 std::string name_of(const Asked& a) {
@@ -26,6 +27,7 @@ std::string name_of(const Asked& a) {
                      name_of(a.options.bounds) + (a.query == RayQuery::any ? ".any" : ".nearest");
   if (a.options.transform_out == TransformOut::inverse) name += ".inverse";
   if (a.alike) name += ".alike";
+  if (a.sliced) name += ".sliced";
   return name + (a.bundle > 1 ? ".bundles_of_" + std::to_string(a.bundle) : "");
 }
 
@@ -70,7 +72,7 @@ std::vector<Hit> walked(GlContext& context, const GeometryImage& image, const As
   }
   const GlTexture from(context, GL_RGBA32F, GL_RGBA, GL_FLOAT, kBatchWidth, rows, origins.data());
   const GlTexture along(context, GL_RGBA32F, GL_RGBA, GL_FLOAT, kBatchWidth, rows, directions.data());
-  RayWalk walk(context, image, a.bundle, {});
+  RayWalk walk(context, image, a.bundle, a.sliced ? slices_of(image) : std::vector<ShaderPatch>{});
   const HitTargets& targets = walk.trace({&from, &along}, columns, rows, a.query);
   std::array<std::vector<PassWords>, kPassTargets> words;
   const GlFunctions& gl = context.use();
@@ -120,10 +122,12 @@ MutationOracle oracle_of(GlContext& context, const Asked& a) {
       const std::vector<Hit> hits = walked(context, *image, a, *alike);
       for (std::size_t i = 0; i < hits.size(); ++i) {
         const std::uint32_t steps = (*models)[i].steps, tests = a.bundle == 1 ? (*models)[i].tests : 0;
-        if (hits[i].steps != steps || hits[i].primitive_tests != tests)
-          return "ray " + std::to_string(i) + " has " + std::to_string(hits[i].steps) + " steps and " +
-                 std::to_string(hits[i].primitive_tests) + " tests, not " + std::to_string(steps) + " and " +
-                 std::to_string(tests);
+        const std::uint32_t transforms = a.bundle == 1 ? (*models)[i].transforms : 0;
+        if (hits[i].steps != steps || hits[i].primitive_tests != tests || hits[i].transforms != transforms)
+          return "ray " + std::to_string(i) + " has " + std::to_string(hits[i].steps) + " steps, " +
+                 std::to_string(hits[i].primitive_tests) + " tests and " + std::to_string(hits[i].transforms) +
+                 " transforms, not " + std::to_string(steps) + ", " + std::to_string(tests) + " and " +
+                 std::to_string(transforms);
       }
       return {};
     };
@@ -181,7 +185,17 @@ std::vector<MutationOracle> ray_walk_oracles(GlContext& context) {
                          Asked{S::mixed, paper, 1, any, true},
                          Asked{S::mixed, compact, 2, any, true},
                          Asked{S::nested, compact, 4, any, true},
-                         Asked{S::mixed, compact, 3, nearest, true}})
+                         Asked{S::mixed, compact, 3, nearest, true},
+                         Asked{S::nested, compact, 4, nearest, true},
+                         Asked{S::nested, compact, 2, nearest, true},
+                         Asked{S::mixed, compact, 1, nearest, true, true},
+                         Asked{S::nested, paper, 1, nearest, true, true},
+                         Asked{S::mixed, paper, 1, any, true, true},
+                         Asked{S::slats, compact, 1, nearest},
+                         Asked{S::slats, compact, 1, any},
+                         Asked{S::slats, compact, 2, nearest},
+                         Asked{S::slats, compact, 3, any},
+                         Asked{S::slats, compact, 3, nearest}})
     oracles.push_back(oracle_of(context, a));
   return oracles;
 }

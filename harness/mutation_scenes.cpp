@@ -88,13 +88,24 @@ Scene doubles(bool has_nodes) {
     frame_camera(scene);
     return scene;
   }
+  // The same and more, beside it, so that it is not met in the order of the numbers from everywhere.
+  for (const float side : {-1.0f, 1.0f}) {
+    Part more{side < 0.0f ? "more" : "more beyond", static_cast<std::uint32_t>(scene.triangles.size()), 0,
+              static_cast<std::uint32_t>(scene.spheres.size()), 0};
+    for (const auto& [a, b, c] : triangles) add_triangle(scene, a, b, c);
+    more.triangle_count = static_cast<std::uint32_t>(triangles.size());
+    scene.spheres.push_back({glm::vec3(3.0f * side, side, 2.0f * side), 0.4f, 0});
+    more.sphere_count = 1;
+    scene.parts.push_back(more);
+  }
   node("here", kNone, 0, {});
-  node("here again", kNone, 0, {});
+  node("here and more", kNone, 1, {});
+  node("aside and more", kNone, 2, aside);
   node("aside", kNone, 0, aside);
-  node("aside again", kNone, 0, aside);
   node("group", kNone, kNone, turned);
+  node("inner and more", 4, 1, turned);
   node("inner", 4, 0, turned);
-  node("inner again", 4, 0, turned);
+  node("inner and more beyond", 4, 2, turned);
   frame_camera(scene);
   return scene;
 }
@@ -105,7 +116,7 @@ Scene slats() {
   scene.materials.resize(1);
   Random random(kSeed, name_hash("slats"), 0);
   const auto flat = [&] { return cube_point(random) * glm::vec3(1.0f, 1e-3f, 1.0f); };
-  for (int i = 0; i < 12; ++i) {
+  for (int i = 0; i < 3; ++i) {
     const glm::vec3 a = flat(), b = flat(), c = flat();
     add_triangle(scene, a, b, c);
   }
@@ -298,6 +309,18 @@ const char* name_of(MutationScene scene) {
   return kNames[static_cast<std::size_t>(scene)];
 }
 
+// No mutant is of this text: patches and mutants do not meet.
+std::vector<ShaderPatch> slices_of(const GeometryImage& image) {
+  if (image.transform_count > 0)
+    return {{"probe.frag.glsl", "      walk_tree();\n      change_space();\n",
+             "      walk_tree();\n      change_space();\n      if ((walk.steps & 3) == 3) break;\n"}};
+  if (image.options.layout == Layout::compact)
+    return {{"walk_compact.glsl", "#endif\n  for (;;) {",
+             "#endif\n  int slice = walk.steps;\n  for (;;) {\n    if (walk.steps > slice + 24) break;"}};
+  return {{"walk_paper.glsl", "  for (;;) {\n    if (walk.ended) break;",
+           "  int slice = walk.steps;\n  for (;;) {\n    if (walk.ended || walk.steps > slice + 24) break;"}};
+}
+
 const MutationStage& mutation_stage(GlContext& context, MutationScene scene) {
   static std::map<MutationScene, std::unique_ptr<MutationStage>> kStages;
   std::unique_ptr<MutationStage>& made_stage = kStages[scene];
@@ -349,6 +372,17 @@ std::string first_wrong_tie(const Scene& scene, const std::vector<Ray>& rays, co
     if (scene.is_triangle(a)) return scene.corners(a) == scene.corners(b);
     return scene.sphere(a).center == scene.sphere(b).center && scene.sphere(a).radius == scene.sphere(b).radius;
   };
+  const auto ball_of = [&](std::uint32_t space) {
+    return space == kNone ? bounding_ball(scene) : bounding_ball(scene, scene.parts[scene.nodes[space].part]);
+  };
+  const auto has_same_ball = [&](std::uint32_t a, std::uint32_t b) {
+    return a != kNone && b != kNone && scene.nodes[a].part == scene.nodes[b].part;
+  };
+  const auto starts_near = [&](std::uint32_t space, const Ray& ray) {
+    const Ball ball = ball_of(space);
+    const glm::dvec3 o = transform_point(inverse(to_world(scene, space)), glm::dvec3(ray.origin));
+    return glm::length(o - ball.center) <= 1.9 * ball.radius;
+  };
   std::vector<std::uint32_t> spaces = instances_of(scene);
   spaces.insert(spaces.begin(), kNone);
   for (std::size_t i = 0; i < hits.size(); ++i) {
@@ -356,8 +390,10 @@ std::string first_wrong_tie(const Scene& scene, const std::vector<Ray>& rays, co
     for (const std::uint32_t space : spaces) {
       if (space != kNone && hits[i].instance != kNone && space > hits[i].instance) break;
       if (space != kNone && hits[i].instance == kNone) break;
-      // A ray that starts outside is moved near the ball of what stands in a space, and the world's is another.
-      if (space == kNone && hits[i].instance != kNone && !(glm::length(rays[i].origin) < 1.0f)) continue;
+      // A ray that starts far from the ball of what stands in a space is moved near it, and rounds in a way of its own.
+      const bool is_alike =
+          space == hits[i].instance || (starts_near(space, rays[i]) && starts_near(hits[i].instance, rays[i]));
+      if (!is_alike && !has_same_ball(space, hits[i].instance)) continue;
       if (!same_place(space, hits[i].instance)) continue;
       for (std::uint32_t p = 0; p < scene.primitive_count(); ++p) {
         if (space == hits[i].instance && p >= hits[i].primitive) break;

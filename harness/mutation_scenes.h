@@ -7,6 +7,7 @@
 
 #include "harness/session.h"
 #include "reference/embree.h"
+#include "tracer/shader_patch.h"
 
 namespace plumbline {
 
@@ -41,6 +42,10 @@ struct MutationStage {
   MutationRays plain;  ///< whose walks end in the first pass
   MutationRays rare;   ///< the others, and some of the plain ones between them
 };
+
+/// Cuts walks through such an image into slices of a few steps, as a driver does that ends loops before their time: all
+/// else of them goes on in further passes.
+std::vector<ShaderPatch> slices_of(const GeometryImage& image);
 
 /// Made when it is first asked for, in a context without patches.
 const MutationStage& mutation_stage(GlContext& context, MutationScene scene);

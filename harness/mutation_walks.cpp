@@ -40,8 +40,9 @@ struct Program {
   BakeOptions options;
   Traversal traversal = Traversal::tree;
   int bundle = 1;
-  bool rare = false;   ///< rays that go on in the thorough program
-  bool alike = false;  ///< each ray fills a bundle of its own, which walks as the ray does alone
+  bool rare = false;    ///< rays that go on in the thorough program
+  bool alike = false;   ///< each ray fills a bundle of its own, which walks as the ray does alone
+  bool sliced = false;  ///< the walk takes many passes
 };
 
 std::string name_of(const Program& p) {
@@ -54,6 +55,7 @@ std::string name_of(const Program& p) {
   if (p.traversal == Traversal::brute_force) name += ".brute_force";
   if (p.bundle > 1) name += ".bundles_of_" + std::to_string(p.bundle);
   if (p.alike) name += ".alike";
+  if (p.sliced) name += ".sliced";
   return name + (p.rare ? ".rare" : "");
 }
 
@@ -88,7 +90,7 @@ std::vector<ActiveLines> lines_of(const GeometryImage& image, const Program& p) 
     then.finish = false;
   }
   then.thorough = true;
-  if (p.rare) all.push_back(active_lines(probe_fragment_shader(then)));
+  if (p.rare || p.sliced) all.push_back(active_lines(probe_fragment_shader(then)));
   return all;
 }
 
@@ -130,8 +132,10 @@ MutationOracle oracle_of(GlContext& context, const Program& p) {
   for (std::size_t i = 0; i < model.size() && !drifts; ++i)
     if (model[i].is_clear && i < rays.odd_from) clear.push_back(rays.rays[i]);
   oracle.ask = [&context, &stage, &rays, image, p, drifts, alone, passed, model, clear](const Mutant& mutant) {
-    Probe probe = p.bundle > 1 ? Probe(context, *image, BundleSize{p.bundle}) : Probe(context, *image, p.traversal);
-    if (!clear.empty()) {
+    const std::vector<ShaderPatch> patches = p.sliced ? slices_of(*image) : std::vector<ShaderPatch>{};
+    Probe probe =
+        p.bundle > 1 ? Probe(context, *image, BundleSize{p.bundle}) : Probe(context, *image, p.traversal, patches);
+    if (!clear.empty() && !p.sliced) {
       std::vector<Hit> ended(clear.size());
       probe.trace(clear, ended);
       if (probe.resumed_passes() > 0) return std::string("rays need another pass, though no triangle is seen edge-on");
@@ -183,6 +187,11 @@ std::vector<MutationOracle> walk_oracles(GlContext& context) {
       {S::slats, compact, tree, 1, true},
       {S::few, compact},
       {S::few, paper},
+      {S::mixed, compact, tree, 1, false, false, true},
+      {S::mixed, paper, tree, 1, false, false, true},
+      {S::nested, compact, tree, 1, false, false, true},
+      {S::nested, paper, tree, 1, false, false, true},
+      {S::slats, paper, tree, 1, true},
       {S::speck, compact, tree, 1, true},
       {S::giant, compact, tree, 1, true},
       {S::giant, paper, tree, 1, true},
