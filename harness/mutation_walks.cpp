@@ -159,6 +159,32 @@ MutationOracle oracle_of(GlContext& context, const Program& p) {
   return oracle;
 }
 
+/// Of rays that wait for triangles seen edge-on, too: steps are visits of nodes, as counters at the nodes tell. These
+/// count the leaf of an instance twice where another pass has to enter it.
+MutationOracle visits(GlContext& context, MutationScene scene, const BakeOptions& options, bool waits_at_instances) {
+  const MutationStage& stage = mutation_stage(context, scene);
+  auto image = std::make_shared<const GeometryImage>(bake(stage.stage.scene, options));
+  MutationOracle oracle;
+  oracle.name = std::string("visits.") + name_of(scene) + "." + name_of(options.layout);
+  for (const bool thorough : {false, true}) {
+    ProgramVariant variant = program_variant(*image, false, thorough);
+    variant.count_visits = true;
+    oracle.programs.push_back(active_lines(probe_fragment_shader(variant)));
+  }
+  oracle.ask = [&context, &rays = stage.rare.rays, image, waits_at_instances](const Mutant&) -> std::string {
+    VisitProbe probe(context, *image);
+    std::vector<Hit> hits(rays.size());
+    probe.trace(rays, hits);
+    std::uint64_t steps = 0, counted = 0;
+    for (const Hit& hit : hits) steps += hit.steps;
+    for (const NodeVisits& node : probe.visits()) counted += node.visits;
+    return steps == counted || (waits_at_instances && steps < counted)
+               ? std::string()
+               : std::to_string(steps) + " steps, but " + std::to_string(counted) + " visits of nodes";
+  };
+  return oracle;
+}
+
 }  // namespace
 
 std::vector<MutationOracle> walk_oracles(GlContext& context) {
@@ -215,6 +241,7 @@ std::vector<MutationOracle> walk_oracles(GlContext& context) {
       {S::triangles, boxes, tree, 3, false, true},
       {S::spheres, compact, tree, 2, true},
       {S::mixed, boxes, tree, 2},
+      {S::nested, boxes, tree, 2},
       {S::mixed, compact, tree, 3, true},
       {S::spheres, paper, tree, 4, true},
       {S::nested, compact, tree, 2, true},
@@ -225,6 +252,9 @@ std::vector<MutationOracle> walk_oracles(GlContext& context) {
   };
   std::vector<MutationOracle> oracles;
   for (const Program& p : programs) oracles.push_back(oracle_of(context, p));
+  oracles.push_back(visits(context, S::slats, compact, false));
+  oracles.push_back(visits(context, S::slats, paper, false));
+  oracles.push_back(visits(context, S::apart, compact, true));
   return oracles;
 }
 
