@@ -12,7 +12,6 @@
 #include "scenes/error.h"
 #include "scenes/random.h"
 #include "tracer/probe.h"
-#include "tracer/ray_walk.h"
 
 namespace plumbline {
 namespace {
@@ -175,17 +174,62 @@ MutationOracle waiting(GlContext& context, int count, bool has_nodes, Layout lay
                   scene, options, rays, known, bundle);
 }
 
+/// A triangle at the end of as many nodes as may stand in one another.
+MutationOracle deepest(GlContext& context) {
+  Scene scene;
+  scene.materials.resize(1);
+  scene.positions = {{0.0f, 0.0f, 0.0f}, {1.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}};
+  scene.triangles.emplace_back().position = {0, 1, 2};
+  scene.parts.push_back({"last", 0, 1, 0, 0});
+  Transform step;
+  step.translation.x = 1.0f;
+  for (std::uint32_t n = 0; n < kMaxDepth; ++n)
+    scene.nodes.push_back({std::to_string(n), n == 0 ? kNone : n - 1, n + 1 == kMaxDepth ? 0 : kNone, step, step});
+  frame_camera(scene);
+  const auto x = static_cast<float>(kMaxDepth);
+  const std::vector<Ray> rays{{{x + 0.25f, 0.125f, 1.5f}, {0.0f, 0.0f, -1.0f}},
+                              {{x + 2.0f, 0.125f, 1.5f}, {0.0f, 0.0f, -1.0f}}};
+  return of_known(context, "deepest", scene, {}, rays, {{0, kMaxDepth - 1}, {}});
+}
+
+/// A walk that goes on in a cluster does so behind the leaf that it has left, and nowhere else: spheres whose second
+/// node, at texel 1, is a leaf, though not that of the first primitive.
+MutationOracle second_node(GlContext& context) {
+  Scene scene;
+  GeometryImage image;
+  const auto is_wanted = [&] {
+    const auto word = std::bit_cast<std::uint32_t>(image.texels[1].w);
+    return word != kEndWord && word >> 31 != 0 && (word & ((1u << image.payload_bits) - 1)) != 0;
+  };
+  for (std::uint64_t seed = 0; seed == 0 || (!is_wanted() && seed < 1000); ++seed) {
+    Random random(kSeed, 2, seed);
+    scene = {};
+    scene.materials.resize(1);
+    for (int i = 0; i < 12; ++i) {
+      const float x = random.uniform(), y = random.uniform(), z = random.uniform();
+      scene.spheres.push_back({8.0f * glm::vec3(x, y, z), 0.5f, 0});
+    }
+    frame_camera(scene);
+    image = bake(scene);
+  }
+  PLUMBLINE_ASSERT(is_wanted());
+  std::vector<Ray> rays;  // towards each of them, and upwards along all axes
+  for (const Sphere& sphere : scene.spheres) rays.push_back({sphere.center - glm::vec3(1.0f), glm::vec3(1.0f)});
+  std::vector<Hit> hits(rays.size());
+  Probe(context, image, Traversal::brute_force).trace(rays, hits);
+  std::vector<Known> known;
+  for (const Hit& hit : hits) known.push_back({hit.primitive, hit.instance});
+  return of_known(context, "second_node", scene, {}, rays, known);
+}
+
 /// An image whose first node is never met and leads to itself: every ray goes round there until it is told to stop.
 GeometryImage endless_image(const Scene& scene, const BakeOptions& options) {
   GeometryImage image = bake(scene, options);
   PLUMBLINE_ASSERT(image.copy_count == 1);
   glm::vec4* texels = image.texels.data();
-  const bool is_box = options.bounds == Bounds::aabb;
-  const glm::vec3 point = image.center + 0.5f * image.radius;
   // No payload: the distance to the next node is 0.
   const std::uint32_t word = std::bit_cast<std::uint32_t>(1e-30f) >> image.payload_bits << image.payload_bits;
-  texels[0] = glm::vec4(point, std::bit_cast<float>(is_box ? kWordBase : word));
-  if (is_box) texels[1] = glm::vec4(point, 0.0f);
+  texels[0] = glm::vec4(image.center + 0.5f * image.radius, std::bit_cast<float>(word));
   if (options.layout == Layout::paper) {
     glm::vec4& links = texels[image.width];
     links.z = 0.5f / static_cast<float>(image.width), links.w = 0.5f / static_cast<float>(image.height);
@@ -194,9 +238,9 @@ GeometryImage endless_image(const Scene& scene, const BakeOptions& options) {
 }
 
 /// Rays whose walks never end visit as many nodes as the longest walk may, test nothing, and say so.
-MutationOracle endless(GlContext& context, bool has_nodes, Layout layout, Bounds bounds) {
+MutationOracle endless(GlContext& context, bool has_nodes, Layout layout) {
   BakeOptions options;
-  options.layout = layout, options.bounds = bounds, options.links = Links::threaded, options.width = 32;
+  options.layout = layout, options.links = Links::threaded, options.width = 32;
   auto image = std::make_shared<const GeometryImage>(endless_image(grids(has_nodes), options));
   std::vector<Ray> rays;
   for (int i = 0; i < 256; ++i) {
@@ -206,7 +250,7 @@ MutationOracle endless(GlContext& context, bool has_nodes, Layout layout, Bounds
   }
   const std::uint32_t steps = image->cell_count + (layout == Layout::paper && has_nodes ? 1u : 0u);
   MutationOracle oracle;
-  oracle.name = std::string("endless.") + name_of(layout) + "_" + name_of(bounds) + (has_nodes ? ".instances" : "");
+  oracle.name = std::string("endless.") + name_of(layout) + (has_nodes ? ".instances" : "");
   oracle.programs = {active_lines(probe_vertex_shader()),
                      active_lines(probe_fragment_shader(program_variant(*image, false, false)))};
   oracle.ask = [&context, image, rays, steps](const Mutant&) -> std::string {
@@ -225,16 +269,16 @@ MutationOracle endless(GlContext& context, bool has_nodes, Layout layout, Bounds
 }  // namespace
 
 std::vector<MutationOracle> tie_oracles(GlContext& context) {
-  std::vector<MutationOracle> oracles;
+  std::vector<MutationOracle> oracles{second_node(context), deepest(context)};
   for (const bool has_nodes : {false, true})
     for (const Layout layout : {Layout::compact, Layout::paper}) {
-      // One copy of the tree: primitives stand before texel `primitive_count`.
+      // One copy of the tree: then fewer texels stand before the primitives than there are primitives.
       oracles.push_back(ties(context, has_nodes, layout, Links::threaded));
-      for (const int count : {1, 3})
-        for (const int bundle : {1, 2, 3}) oracles.push_back(waiting(context, count, has_nodes, layout, bundle));
-      for (const Bounds bounds : {Bounds::sphere, Bounds::aabb})
-        oracles.push_back(endless(context, has_nodes, layout, bounds));
+      oracles.push_back(waiting(context, 1, has_nodes, layout, 1));
+      oracles.push_back(endless(context, has_nodes, layout));
     }
+  oracles.push_back(waiting(context, 3, false, Layout::compact, 1));
+  for (const int bundle : {2, 3}) oracles.push_back(waiting(context, 1, false, Layout::compact, bundle));
   return oracles;
 }
 
