@@ -34,8 +34,8 @@ constexpr const char* kRefusal = "the OpenGL driver refuses";  ///< how link_pro
 class Court {
  public:
   Court() {
-    for (auto* make : {arithmetic_oracles, geometry_oracles, pass_oracles, walk_oracles, ray_walk_oracles, edge_oracles,
-                       picture_oracles})
+    for (auto* make : {arithmetic_oracles, geometry_oracles, pass_oracles, tie_oracles, walk_oracles, ray_walk_oracles,
+                       edge_oracles, picture_oracles})
       for (MutationOracle& oracle : make(context_)) oracles_.push_back(std::move(oracle));
   }
 

@@ -33,6 +33,8 @@ std::vector<MutationOracle> arithmetic_oracles(GlContext& context);
 std::vector<MutationOracle> geometry_oracles(GlContext& context);
 /// What is around the walks: another dialect, the pixels of a pass, counts.
 std::vector<MutationOracle> pass_oracles(GlContext& context);
+/// Ties, rays that end at a surface, and walks without an end.
+std::vector<MutationOracle> tie_oracles(GlContext& context);
 /// Shading at the borders of its cases, with numbers that are exact.
 std::vector<MutationOracle> edge_oracles(GlContext& context);
 /// Small pictures, followed by the reference sample by sample.

@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Walks whose answers follow from whole numbers: rays that meet several triangles at exactly the same t, rays that end
+// exactly at a surface, and walks that never end.
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <utility>
+
+#include "harness/mutation_oracles.h"
+#include "scenes/error.h"
+#include "scenes/random.h"
+#include "tracer/probe.h"
+
+namespace plumbline {
+namespace {
+
+constexpr std::uint64_t kSeed = name_hash("mutants of ties");
+constexpr int kCells = 8;  ///< of the grid, along x and along y
+
+/// The grid's first `columns` columns, two triangles a cell, all in the plane z = 0, in any order.
+void add_grid(Scene& scene, Random& random, int columns) {
+  std::vector<std::array<glm::vec3, 3>> triangles;
+  for (int cell = 0; cell < columns * kCells; ++cell) {
+    const glm::vec3 at(static_cast<float>(cell / kCells), static_cast<float>(cell % kCells), 0.0f);
+    const glm::vec3 x(1.0f, 0.0f, 0.0f), y(0.0f, 1.0f, 0.0f);
+    triangles.push_back({at, at + x, at + y});
+    triangles.push_back({at + x + y, at + y, at + x});
+  }
+  for (std::size_t i = triangles.size(); i > 1; --i)
+    std::swap(triangles[i - 1], triangles[random.below(static_cast<std::uint32_t>(i))]);
+  for (const auto& [a, b, c] : triangles) {
+    const auto first = static_cast<std::uint32_t>(scene.positions.size());
+    scene.positions.insert(scene.positions.end(), {a, b, c});
+    scene.triangles.emplace_back().position = {first, first + 1, first + 2};
+  }
+}
+
+/// Half of the grid in the world, and all of it twice at the same place; or all of it in the world.
+Scene grids(bool has_nodes) {
+  Scene scene;
+  scene.materials.resize(1);
+  Random random(kSeed, 0, 0);
+  add_grid(scene, random, has_nodes ? kCells / 2 : kCells);
+  if (has_nodes) {
+    const auto first = static_cast<std::uint32_t>(scene.triangles.size());
+    add_grid(scene, random, kCells);
+    scene.parts.push_back({"grid", first, static_cast<std::uint32_t>(scene.triangles.size()) - first, 0, 0});
+    scene.nodes.push_back({"here", kNone, 0, {}, {}});
+    scene.nodes.push_back({"here again", kNone, 0, {}, {}});
+  }
+  frame_camera(scene);
+  return scene;
+}
+
+struct Known {
+  std::uint32_t primitive = kNone;  ///< kNone: a miss
+  std::uint32_t instance = kNone;
+};
+
+/// What a ray along z through (x, y) meets first, by SEMANTICS 5: the world before instances, and then by number.
+Known first_of(const Scene& scene, float x, float y) {
+  const auto is_inside = [&](std::uint32_t triangle) {
+    const auto corners = scene.corners(triangle);
+    const auto [left, right] = std::minmax({corners[0].x, corners[1].x, corners[2].x});
+    const auto [low, high] = std::minmax({corners[0].y, corners[1].y, corners[2].y});
+    if (x < left || x > right || y < low || y > high) return false;
+    const float sum = (x - left) + (y - low);  // the diagonal is where it is 1
+    return corners[0].x == left ? sum <= 1.0f : sum >= 1.0f;
+  };
+  const auto count = static_cast<std::uint32_t>(scene.triangles.size());
+  const std::uint32_t world = scene.parts.empty() ? count : scene.parts[0].first_triangle;
+  for (std::uint32_t p = 0; p < count; ++p)
+    if (is_inside(p)) return {p, p < world ? kNone : 0};
+  return {};
+}
+
+/// Programs that walk the image, alone or in bundles, and go on where a triangle is seen edge-on.
+std::vector<ActiveLines> lines_of(const GeometryImage& image, int bundle) {
+  ProgramVariant first = program_variant(image, false, false), then = first;
+  then.thorough = true;
+  first.bundle = bundle;
+  std::vector<ActiveLines> all{active_lines(probe_vertex_shader()), active_lines(probe_fragment_shader(first)),
+                               active_lines(probe_fragment_shader(then))};
+  return all;
+}
+
+MutationOracle of_known(GlContext& context, std::string name, const Scene& scene, const BakeOptions& options,
+                        const std::vector<Ray>& rays, const std::vector<Known>& known, int bundle = 1) {
+  auto image = std::make_shared<const GeometryImage>(bake(scene, options));
+  MutationOracle oracle;
+  oracle.name = std::move(name) + "." + name_of(options.layout) + "_" + name_of(options.links);
+  if (bundle > 1) oracle.name += ".bundles_of_" + std::to_string(bundle);
+  oracle.programs = lines_of(*image, bundle);
+  oracle.ask = [&context, image, rays, known, bundle](const Mutant&) -> std::string {
+    std::vector<Hit> hits(rays.size());
+    (bundle > 1 ? Probe(context, *image, BundleSize{bundle}) : Probe(context, *image)).trace(rays, hits);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const bool is_hit = known[i].primitive != kNone;
+      const Hit& hit = hits[i];
+      if (hit.kind == (is_hit ? HitKind::hit : HitKind::miss) && hit.primitive == known[i].primitive &&
+          hit.instance == known[i].instance)
+        continue;
+      return "ray " + std::to_string(i) + " names " + std::to_string(hit.primitive) + " of instance " +
+             std::to_string(hit.instance) + ", and first comes " + std::to_string(known[i].primitive) +
+             " of instance " + std::to_string(known[i].instance);
+    }
+    return {};
+  };
+  return oracle;
+}
+
+/// Rays through corners, edges and the inside of the grid's triangles, from 4 above it: without an end, which ends at
+/// the grid, just above it, and at its start; and one that starts on the grid.
+MutationOracle ties(GlContext& context, bool has_nodes, Layout layout, Links links) {
+  const Scene scene = grids(has_nodes);
+  BakeOptions options;
+  options.layout = layout, options.links = links, options.width = 32;
+  std::vector<Ray> rays;
+  std::vector<Known> known;
+  for (int i = 0; i <= 4 * kCells; ++i)
+    for (int j = 0; j <= 4 * kCells; ++j) {
+      const glm::vec3 over(0.25f * static_cast<float>(i), 0.25f * static_cast<float>(j), 4.0f);
+      Ray ray{over, {0.0f, 0.0f, -1.0f}};
+      const int which = (i + 7 * j) % 8;
+      if (which == 3) ray.origin.z = 0.0f;
+      if (which == 4) ray.t_max = 4.0f;
+      if (which == 5) ray.t_max = std::nextafter(4.0f, 0.0f);
+      if (which == 6) ray.t_max = 0.0f;
+      rays.push_back(ray);
+      known.push_back(which == 3 || which == 5 || which == 6 ? Known{} : first_of(scene, over.x, over.y));
+    }
+  return of_known(context, has_nodes ? "ties.instances" : "ties", scene, options, rays, known);
+}
+
+/// Triangles that rays along x see all but edge-on, so that they wait for each, one behind the other: number i crosses
+/// y = 0 at x = 4 i, where z is between i and i + 3. Of one alone, its address is the first and the last.
+MutationOracle waiting(GlContext& context, int count, bool has_nodes, Layout layout, int bundle) {
+  Scene scene;
+  scene.materials.resize(1);
+  for (int i = 0; i < count; ++i) {
+    const float x = 4.0f * static_cast<float>(i), z = static_cast<float>(i), y = 0x1p-10f;
+    const auto first = static_cast<std::uint32_t>(scene.positions.size());
+    scene.positions.insert(scene.positions.end(), {{x - 1.0f, -y, z}, {x + 1.0f, y, z}, {x, 0.0f, z + 3.0f}});
+    scene.triangles.emplace_back().position = {first, first + 1, first + 2};
+  }
+  const float aside = has_nodes ? 16.0f : 0.0f;
+  if (has_nodes) {
+    scene.parts.push_back({"waiting", 0, static_cast<std::uint32_t>(count), 0, 0});
+    Transform transform;
+    transform.translation.z = aside;
+    scene.nodes.push_back({"aside", kNone, 0, transform, transform});
+  }
+  frame_camera(scene);
+  BakeOptions options;
+  options.layout = layout, options.links = Links::threaded, options.width = 32;
+  std::vector<Ray> rays;
+  std::vector<Known> known;
+  for (int quarter = -2; quarter < 4 * (count + 3); quarter += 2)
+    for (const bool forth : {true, false}) {
+      const float z = 0.25f * static_cast<float>(quarter) + 0.125f;
+      const float from = forth ? -4.0f : 4.0f * static_cast<float>(count);
+      rays.push_back({{from, 0.0f, aside + z}, {forth ? 1.0f : -1.0f, 0.0f, 0.0f}});
+      Known first;
+      for (int i = 0; i < count; ++i) {
+        const int k = forth ? count - 1 - i : i;  // the first one last
+        if (z > static_cast<float>(k) && z < static_cast<float>(k + 3))
+          first = {static_cast<std::uint32_t>(k), has_nodes ? 0 : kNone};
+      }
+      known.push_back(first);
+    }
+  return of_known(context, (count > 1 ? "waiting" : "waiting_for_one") + std::string(has_nodes ? ".instances" : ""),
+                  scene, options, rays, known, bundle);
+}
+
+/// A triangle at the end of as many nodes as may stand in one another.
+MutationOracle deepest(GlContext& context) {
+  Scene scene;
+  scene.materials.resize(1);
+  scene.positions = {{0.0f, 0.0f, 0.0f}, {1.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}};
+  scene.triangles.emplace_back().position = {0, 1, 2};
+  scene.parts.push_back({"last", 0, 1, 0, 0});
+  Transform step;
+  step.translation.x = 1.0f;
+  for (std::uint32_t n = 0; n < kMaxDepth; ++n)
+    scene.nodes.push_back({std::to_string(n), n == 0 ? kNone : n - 1, n + 1 == kMaxDepth ? 0 : kNone, step, step});
+  frame_camera(scene);
+  const auto x = static_cast<float>(kMaxDepth);
+  const std::vector<Ray> rays{{{x + 0.25f, 0.125f, 1.5f}, {0.0f, 0.0f, -1.0f}},
+                              {{x + 2.0f, 0.125f, 1.5f}, {0.0f, 0.0f, -1.0f}}};
+  return of_known(context, "deepest", scene, {}, rays, {{0, kMaxDepth - 1}, {}});
+}
+
+/// A walk that goes on in a cluster does so behind the leaf that it has left, and nowhere else: spheres whose second
+/// node, at texel 1, is a leaf, though not that of the first primitive.
+MutationOracle second_node(GlContext& context) {
+  Scene scene;
+  GeometryImage image;
+  const auto is_wanted = [&] {
+    const auto word = std::bit_cast<std::uint32_t>(image.texels[1].w);
+    return word != kEndWord && word >> 31 != 0 && (word & ((1u << image.payload_bits) - 1)) != 0;
+  };
+  for (std::uint64_t seed = 0; seed == 0 || (!is_wanted() && seed < 1000); ++seed) {
+    Random random(kSeed, 2, seed);
+    scene = {};
+    scene.materials.resize(1);
+    for (int i = 0; i < 12; ++i) {
+      const float x = random.uniform(), y = random.uniform(), z = random.uniform();
+      scene.spheres.push_back({8.0f * glm::vec3(x, y, z), 0.5f, 0});
+    }
+    frame_camera(scene);
+    image = bake(scene);
+  }
+  PLUMBLINE_ASSERT(is_wanted());
+  std::vector<Ray> rays;  // towards each of them, and upwards along all axes
+  for (const Sphere& sphere : scene.spheres) rays.push_back({sphere.center - glm::vec3(1.0f), glm::vec3(1.0f)});
+  std::vector<Hit> hits(rays.size());
+  Probe(context, image, Traversal::brute_force).trace(rays, hits);
+  std::vector<Known> known;
+  for (const Hit& hit : hits) known.push_back({hit.primitive, hit.instance});
+  return of_known(context, "second_node", scene, {}, rays, known);
+}
+
+/// An image whose first node is never met and leads to itself: every ray goes round there until it is told to stop.
+GeometryImage endless_image(const Scene& scene, const BakeOptions& options) {
+  GeometryImage image = bake(scene, options);
+  PLUMBLINE_ASSERT(image.copy_count == 1);
+  glm::vec4* texels = image.texels.data();
+  // No payload: the distance to the next node is 0.
+  const std::uint32_t word = std::bit_cast<std::uint32_t>(1e-30f) >> image.payload_bits << image.payload_bits;
+  texels[0] = glm::vec4(image.center + 0.5f * image.radius, std::bit_cast<float>(word));
+  if (options.layout == Layout::paper) {
+    glm::vec4& links = texels[image.width];
+    links.z = 0.5f / static_cast<float>(image.width), links.w = 0.5f / static_cast<float>(image.height);
+  }
+  return image;
+}
+
+/// Rays whose walks never end visit as many nodes as the longest walk may, test nothing, and say so.
+MutationOracle endless(GlContext& context, bool has_nodes, Layout layout) {
+  BakeOptions options;
+  options.layout = layout, options.links = Links::threaded, options.width = 32;
+  auto image = std::make_shared<const GeometryImage>(endless_image(grids(has_nodes), options));
+  std::vector<Ray> rays;
+  for (int i = 0; i < 256; ++i) {
+    Random random(kSeed, 1, static_cast<std::uint64_t>(i));
+    const glm::vec3 direction(random.direction());
+    rays.push_back({image->center - (0.5f + 0.01f * static_cast<float>(i)) * image->radius * direction, direction});
+  }
+  const std::uint32_t steps = image->cell_count + (layout == Layout::paper && has_nodes ? 1u : 0u);
+  MutationOracle oracle;
+  oracle.name = std::string("endless.") + name_of(layout) + (has_nodes ? ".instances" : "");
+  oracle.programs = {active_lines(probe_vertex_shader()),
+                     active_lines(probe_fragment_shader(program_variant(*image, false, false)))};
+  oracle.ask = [&context, image, rays, steps](const Mutant&) -> std::string {
+    std::vector<Hit> hits(rays.size());
+    Probe(context, *image).trace(rays, hits);
+    for (std::size_t i = 0; i < rays.size(); ++i)
+      if (hits[i].kind != HitKind::capped || hits[i].steps != steps || hits[i].primitive_tests != 0 ||
+          hits[i].transforms != 0)
+        return "ray " + std::to_string(i) + " does not stop after " + std::to_string(steps) + " nodes, but after " +
+               std::to_string(hits[i].steps);
+    return {};
+  };
+  return oracle;
+}
+
+}  // namespace
+
+std::vector<MutationOracle> tie_oracles(GlContext& context) {
+  std::vector<MutationOracle> oracles{second_node(context), deepest(context)};
+  for (const bool has_nodes : {false, true})
+    for (const Layout layout : {Layout::compact, Layout::paper}) {
+      // One copy of the tree: then fewer texels stand before the primitives than there are primitives.
+      oracles.push_back(ties(context, has_nodes, layout, Links::threaded));
+      oracles.push_back(waiting(context, 1, has_nodes, layout, 1));
+      oracles.push_back(endless(context, has_nodes, layout));
+    }
+  oracles.push_back(waiting(context, 3, false, Layout::compact, 1));
+  for (const int bundle : {2, 3}) oracles.push_back(waiting(context, 1, false, Layout::compact, bundle));
+  return oracles;
+}
+
+}  // namespace plumbline
