@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
 
 #include "harness/hit_cases.h"
 #include "harness/mutation_oracles.h"
@@ -184,39 +183,6 @@ MutationOracle beyond(GlContext& context) {
   return oracle;
 }
 
-/// Ends of rays, where all numbers are exact: what lies at t_max itself is hit (SEMANTICS 1.1), what lies beyond is
-/// not.
-MutationOracle ends(GlContext& context, bool has_nodes, Layout layout) {
-  Scene scene;
-  scene.materials.resize(1);
-  scene.positions = {{-2.0f, -2.0f, 0.0f}, {2.0f, -2.0f, 0.0f}, {0.0f, 2.0f, 0.0f}};
-  scene.triangles.emplace_back().position = {0, 1, 2};
-  if (has_nodes) {
-    scene.parts.push_back({"piece", 0, 1, 0, 0});
-    scene.nodes.push_back({"here", kNone, 0, {}, {}});
-  }
-  frame_camera(scene);
-  BakeOptions options;
-  options.layout = layout;
-  auto image = std::make_shared<const GeometryImage>(bake(scene, options));
-  MutationOracle oracle;
-  oracle.name = std::string("ends.") + name_of(layout) + (has_nodes ? ".placed" : "");
-  oracle.programs.push_back(active_lines(probe_fragment_shader(program_variant(*image, false, false))));
-  oracle.ask = [&context, image](const Mutant&) -> std::string {
-    std::vector<Ray> rays;
-    for (const float t : {0.5f, 1.0f, 2.0f})
-      for (const float end : {t, std::nextafter(t, 0.0f)})
-        rays.push_back({{0.25f, 0.125f, t}, {0.0f, 0.0f, -1.0f}, end});
-    std::vector<Hit> hits(rays.size());
-    Probe(context, *image).trace(rays, hits);
-    for (std::size_t i = 0; i < hits.size(); ++i)
-      if (hits[i].kind != (i % 2 == 0 ? HitKind::hit : HitKind::miss))
-        return "ray " + std::to_string(i) + " " + describe(hits[i]);
-    return {};
-  };
-  return oracle;
-}
-
 }  // namespace
 
 std::vector<MutationOracle> pass_oracles(GlContext& context) {
@@ -225,8 +191,6 @@ std::vector<MutationOracle> pass_oracles(GlContext& context) {
   oracles.push_back(counts(context, false));
   oracles.push_back(es_walk(context));
   oracles.push_back(beyond(context));
-  for (const Layout layout : {Layout::compact, Layout::paper})
-    for (const bool has_nodes : {false, true}) oracles.push_back(ends(context, has_nodes, layout));
   return oracles;
 }
 
