@@ -151,6 +151,52 @@ MutationOracle oracle_of(GlContext& context, const Asked& a) {
   return oracle;
 }
 
+/// Passes whose walks are cut off at once: what they leave waits for a triangle that is there, or for none.
+MutationOracle states(GlContext& context, RayQuery query, bool thorough) {
+  const MutationStage& stage = mutation_stage(context, MutationScene::mixed);
+  auto image = std::make_shared<const GeometryImage>(bake(stage.stage.scene));
+  ProgramVariant variant = program_variant(*image, false, thorough);
+  variant.rendering = true, variant.any_hit = query == RayQuery::any;
+  MutationOracle oracle;
+  oracle.name =
+      std::string("states.mixed") + (query == RayQuery::any ? ".any" : ".nearest") + (thorough ? ".thorough" : "");
+  oracle.programs = {active_lines(probe_fragment_shader(variant)), active_lines(probe_vertex_shader())};
+  const ShaderText shader = probe_fragment_shader(variant, slices_of(*image, 0));
+  oracle.ask = [&context, image, shader, &rays = stage.rare.rays](const Mutant&) -> std::string {
+    std::vector<glm::vec4> origins, directions;
+    for (const Ray& ray : rays)
+      origins.emplace_back(ray.origin, ray.t_max), directions.emplace_back(ray.direction, 0.0f);
+    const int columns = kBatchWidth, rows = static_cast<int>(rays.size()) / kBatchWidth + 1;
+    origins.resize(static_cast<std::size_t>(columns * rows)), directions.resize(origins.size());
+    const GlTexture from(context, GL_RGBA32F, GL_RGBA, GL_FLOAT, columns, rows, origins.data());
+    const GlTexture along(context, GL_RGBA32F, GL_RGBA, GL_FLOAT, columns, rows, directions.data());
+    const GlTexture geometry = upload_image(context, *image);
+    const HitTargets targets(context, kPassTargets - 1);
+    const GlProgram program(context, link_program(context, probe_vertex_shader(), shader));
+    const GlFunctions& gl = context.use();
+    program.use();
+    set_pass(program, pass_constants(*image), {image->scale_exponent, 0, static_cast<int>(image->primitive_count), 0});
+    geometry.bind(0), from.bind(1), along.bind(2);
+    program.set("u_ray_origins", 1), program.set("u_ray_directions", 2);
+    for (int i = 0; i < kPassTargets; ++i) program.set(("u_state_" + std::to_string(i)).c_str(), 3 + i);
+    gl.BindFramebuffer(GL_FRAMEBUFFER, targets.framebuffer.name());
+    program.draw(columns, rows);
+    std::vector<PassWords> words(origins.size());
+    gl.ReadBuffer(GL_COLOR_ATTACHMENT0);
+    gl.ReadPixels(0, 0, columns, rows, GL_RGBA_INTEGER, GL_UNSIGNED_INT, words.data());
+    context.check("reading states");
+    std::size_t unfinished = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      if ((words[i].x & 7u) != kWordUnfinished) continue;
+      ++unfinished;
+      if (words[i].x >> 3 > image->primitive_count)
+        return "ray " + std::to_string(i) + " waits for a primitive that is not there";
+    }
+    return unfinished > rays.size() / 10 ? std::string() : "hardly any walk is left unfinished";
+  };
+  return oracle;
+}
+
 }  // namespace
 
 std::vector<MutationOracle> ray_walk_oracles(GlContext& context) {
@@ -197,6 +243,8 @@ std::vector<MutationOracle> ray_walk_oracles(GlContext& context) {
                          Asked{S::slats, compact, 3, any},
                          Asked{S::slats, compact, 3, nearest}})
     oracles.push_back(oracle_of(context, a));
+  for (const RayQuery query : {nearest, any})
+    for (const bool thorough : {false, true}) oracles.push_back(states(context, query, thorough));
   return oracles;
 }
 

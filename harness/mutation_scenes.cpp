@@ -168,7 +168,8 @@ Scene apart() {
     add_triangle(scene, at + 0.7f * cube_point(random), at + 0.7f * cube_point(random), at + 0.7f * cube_point(random));
   }
   for (int i = 0; i < 3; ++i) scene.spheres.push_back({cube_point(random), 0.3f, 0});
-  scene.parts.push_back({"piece", 0, 6, 0, 3});
+  scene.spheres.push_back({glm::vec3(0.0f), 0.4f, 0});  // which rays through the origin of the world meet in `small`
+  scene.parts.push_back({"piece", 0, 6, 0, 4});
   const auto node = [&](const char* name, std::uint32_t parent, std::uint32_t part, float scale, const glm::vec3& to) {
     Transform t;
     t.linear = scale * glm::mat3(0.6f, 0.8f, 0.0f, -0.8f, 0.6f, 0.0f, 0.0f, 0.1f, 1.1f);
@@ -177,7 +178,7 @@ Scene apart() {
   };
   node("small", kNone, 0, 0x1p-20f, glm::vec3(0.0f));
   node("middle", kNone, 0, 1.0f, {3.0f, 0.5f, -0.5f});
-  node("large", kNone, 0, 0x1p20f, glm::vec3(0.0f));
+  node("large", kNone, 0, 0x1p20f, {0x1p22f, 0.0f, 0x1p21f});
   node("large group", kNone, kNone, 0x1p40f, {-3.0f, 1.0f, 0.5f});
   node("small in large", 3, 0, 0x1p-40f, glm::vec3(0.0f));
   node("small group", kNone, kNone, 0x1p-45f, {0.5f, -3.0f, 1.0f});
@@ -310,15 +311,16 @@ const char* name_of(MutationScene scene) {
 }
 
 // No mutant is of this text: patches and mutants do not meet.
-std::vector<ShaderPatch> slices_of(const GeometryImage& image) {
+std::vector<ShaderPatch> slices_of(const GeometryImage& image, int steps) {
+  const std::string is_over = "walk.steps > slice + " + std::to_string(steps);
   if (image.transform_count > 0)
     return {{"probe.frag.glsl", "      walk_tree();\n      change_space();\n",
              "      walk_tree();\n      change_space();\n      if ((walk.steps & 3) == 3) break;\n"}};
   if (image.options.layout == Layout::compact)
     return {{"walk_compact.glsl", "#endif\n  for (;;) {",
-             "#endif\n  int slice = walk.steps;\n  for (;;) {\n    if (walk.steps > slice + 24) break;"}};
+             "#endif\n  int slice = walk.steps;\n  for (;;) {\n    if (" + is_over + ") break;"}};
   return {{"walk_paper.glsl", "  for (;;) {\n    if (walk.ended) break;",
-           "  int slice = walk.steps;\n  for (;;) {\n    if (walk.ended || walk.steps > slice + 24) break;"}};
+           "  int slice = walk.steps;\n  for (;;) {\n    if (walk.ended || " + is_over + ") break;"}};
 }
 
 const MutationStage& mutation_stage(GlContext& context, MutationScene scene) {

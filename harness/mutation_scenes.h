@@ -43,9 +43,10 @@ struct MutationStage {
   MutationRays rare;   ///< the others, and some of the plain ones between them
 };
 
-/// Cuts walks through such an image into slices of a few steps, as a driver does that ends loops before their time: all
+/// Cuts walks through such an image into slices of `steps` steps and one, or of a few where there are transforms, as a
+/// driver does that ends loops before their time: all
 /// else of them goes on in further passes.
-std::vector<ShaderPatch> slices_of(const GeometryImage& image);
+std::vector<ShaderPatch> slices_of(const GeometryImage& image, int steps = 24);
 
 /// Made when it is first asked for, in a context without patches.
 const MutationStage& mutation_stage(GlContext& context, MutationScene scene);

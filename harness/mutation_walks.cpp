@@ -152,7 +152,7 @@ MutationOracle oracle_of(GlContext& context, const Program& p) {
       const std::vector<Hit>& known = p.options.layout == Layout::compact ? rays.brute_paper : rays.brute_compact;
       if (const std::string what = first_difference(rays, hits, known); !what.empty()) return what;
     }
-    if (p.scene == MutationScene::doubles || p.scene == MutationScene::twins)
+    if (!drifts && (p.scene == MutationScene::doubles || p.scene == MutationScene::twins))
       if (const std::string what = first_wrong_tie(stage.stage.scene, rays.rays, hits); !what.empty()) return what;
     return first_failure(stage.stage.judge_of(p.options.transform_out), rays, hits, *passed);
   };
@@ -223,6 +223,8 @@ std::vector<MutationOracle> walk_oracles(GlContext& context) {
       {S::giant, paper, tree, 1, true},
       {S::apart, compact, tree, 1, true},
       {S::apart, drift, tree, 1, true},
+      {S::apart, boxes, tree, 1, true},
+      {S::doubles, drift, tree, 2},
       {S::twins, compact},
       {S::doubles, compact},
       {S::nested, compact},
