@@ -261,6 +261,12 @@ MutationOracle sums(GlContext& context) {
   return oracle;
 }
 
+ShaderText elementary_shader(std::string_view question) {
+  const std::array<std::string_view, 3> files{"pass_constants.glsl", "elementary.glsl", question};
+  const std::array<ShaderDefine, 1> defines{ShaderDefine{"PASS_CONSTANT", "flat in"}};
+  return compose_shader(files, defines);
+}
+
 /// elementary.glsl keeps the bounds that it states, where functions are worst and at the ends of their ranges.
 MutationOracle elementary(GlContext& context) {
   constexpr int kPixels = 128;
@@ -287,9 +293,7 @@ MutationOracle elementary(GlContext& context) {
   }
   MutationOracle oracle;
   oracle.name = "elementary.dense";
-  const std::array<std::string_view, 3> files{"pass_constants.glsl", "elementary.glsl", "driver_elementary.frag.glsl"};
-  const std::array<ShaderDefine, 1> defines{ShaderDefine{"PASS_CONSTANT", "flat in"}};
-  const ShaderText shader = compose_shader(files, defines);
+  const ShaderText shader = elementary_shader("driver_elementary.frag.glsl");
   oracle.programs.push_back(active_lines(shader));
   oracle.ask = [&context, shader, input](const Mutant&) -> std::string {
     const auto words = run_small_pass(context, {shader, kPixels, kPixels}, input);
@@ -330,9 +334,7 @@ MutationOracle logarithms(GlContext& context) {
   }
   MutationOracle oracle;
   oracle.name = "elementary.logarithms";
-  const std::array<std::string_view, 3> files{"pass_constants.glsl", "elementary.glsl", "ask_logarithms.frag.glsl"};
-  const std::array<ShaderDefine, 1> defines{ShaderDefine{"PASS_CONSTANT", "flat in"}};
-  const ShaderText shader = compose_shader(files, defines);
+  const ShaderText shader = elementary_shader("ask_logarithms.frag.glsl");
   oracle.programs.push_back(active_lines(shader));
   oracle.ask = [&context, shader, input](const Mutant&) -> std::string {
     const auto words = run_small_pass(context, {shader, kPixels, kPixels}, input);

@@ -229,7 +229,7 @@ std::vector<Ray> odd_rays(const Ball& ball) {
   const int unit = std::ilogb(ball.radius);
   Random random(kSeed, name_hash("odd rays"), 0);
   const auto near_center = [&] { return center + 0.5f * size * cube_point(random); };
-  const auto is_float = [](int exponent) { return exponent > -100 && exponent < 125; };
+  const auto is_float = [](int exponent) { return exponent > -100 && exponent < 127; };
   for (const int k : {3, 4, 6, 9, 12, 15, 16, 17, 18, 20, 25, 33, 45, 60, 80, 100, 118, 124}) {
     if (!is_float(k + unit)) continue;
     const float away = std::ldexp(1.0f, k + unit);
