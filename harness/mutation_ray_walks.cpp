@@ -108,6 +108,7 @@ MutationOracle oracle_of(GlContext& context, const Asked& a) {
   MutationOracle oracle;
   oracle.name = name_of(a);
   oracle.programs = lines_of(*image, a);
+  if (a.sliced) leave_out_sliced(*image, oracle);
   if (a.alike) {
     auto alike = std::make_shared<std::vector<Ray>>();
     auto models = std::make_shared<std::vector<ModelWalk>>();
@@ -161,6 +162,7 @@ MutationOracle states(GlContext& context, RayQuery query, bool thorough) {
   oracle.name =
       std::string("states.mixed") + (query == RayQuery::any ? ".any" : ".nearest") + (thorough ? ".thorough" : "");
   oracle.programs = {active_lines(probe_fragment_shader(variant)), active_lines(probe_vertex_shader())};
+  leave_out_sliced(*image, oracle);
   const ShaderText shader = probe_fragment_shader(variant, slices_of(*image, 0));
   oracle.ask = [&context, image, shader, &rays = stage.rare.rays](const Mutant&) -> std::string {
     std::vector<glm::vec4> origins, directions;

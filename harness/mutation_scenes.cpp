@@ -230,6 +230,10 @@ std::vector<Ray> odd_rays(const Ball& ball) {
   Random random(kSeed, name_hash("odd rays"), 0);
   const auto near_center = [&] { return center + 0.5f * size * cube_point(random); };
   const auto is_float = [](int exponent) { return exponent > -100 && exponent < 127; };
+  for (int k = -18; k < 0; k += 2) {
+    const glm::vec3 any(random.direction());
+    rays.push_back({-std::ldexp(1.0f, k + unit) * any, any});
+  }
   for (const int k : {3, 4, 6, 9, 12, 15, 16, 17, 18, 20, 25, 33, 45, 60, 80, 100, 118, 124}) {
     if (!is_float(k + unit)) continue;
     const float away = std::ldexp(1.0f, k + unit);
@@ -310,7 +314,6 @@ const char* name_of(MutationScene scene) {
   return kNames[static_cast<std::size_t>(scene)];
 }
 
-// No mutant is of this text: patches and mutants do not meet.
 std::vector<ShaderPatch> slices_of(const GeometryImage& image, int steps) {
   const std::string is_over = "walk.steps > slice + " + std::to_string(steps);
   if (image.transform_count > 0)
@@ -321,6 +324,11 @@ std::vector<ShaderPatch> slices_of(const GeometryImage& image, int steps) {
              "#endif\n  int slice = walk.steps;\n  for (;;) {\n    if (" + is_over + ") break;"}};
   return {{"walk_paper.glsl", "  for (;;) {\n    if (walk.ended) break;",
            "  int slice = walk.steps;\n  for (;;) {\n    if (walk.ended || " + is_over + ") break;"}};
+}
+
+void leave_out_sliced(const GeometryImage& image, MutationOracle& oracle) {
+  for (const ShaderPatch& patch : slices_of(image))
+    for (ActiveLines& lines : oracle.programs) lines.erase(patch.file);
 }
 
 const MutationStage& mutation_stage(GlContext& context, MutationScene scene) {

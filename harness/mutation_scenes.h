@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/mutation_oracles.h"
 #include "harness/session.h"
 #include "reference/embree.h"
 #include "tracer/shader_patch.h"
@@ -47,6 +48,8 @@ struct MutationStage {
 /// driver does that ends loops before their time: all
 /// else of them goes on in further passes.
 std::vector<ShaderPatch> slices_of(const GeometryImage& image, int steps = 24);
+/// Mutants of the file that is changed for it, whose places it moves, are others' to see.
+void leave_out_sliced(const GeometryImage& image, MutationOracle& oracle);
 
 /// Made when it is first asked for, in a context without patches.
 const MutationStage& mutation_stage(GlContext& context, MutationScene scene);

@@ -117,6 +117,7 @@ MutationOracle oracle_of(GlContext& context, const Program& p) {
   MutationOracle oracle;
   oracle.name = name_of(p);
   oracle.programs = lines_of(*image, p);
+  if (p.sliced) leave_out_sliced(*image, oracle);
   const MutationRays& rays = p.rare ? stage.rare : stage.plain;
   const bool drifts = p.options.transform_out == TransformOut::inverse;
   auto alone = std::make_shared<std::vector<Hit>>(), passed = std::make_shared<std::vector<Hit>>();
