@@ -31,14 +31,22 @@ struct Written {
 };
 
 /// One ray, what it is said to have hit, and what must come of it.
+using Holds = bool (*)(const Written&);
 struct Edge {
   const char* what;  ///< SEMANTICS 6
   Ray ray;
-  std::uint32_t kind = kWordHit, triangle = 0;
-  glm::vec3 position{0.0f};
-  float t = 2.0f;
-  bool (*holds)(const Written&);
+  std::uint32_t kind, triangle;
+  glm::vec3 position;
+  float t;
+  Holds holds;
 };
+Edge hit(const char* what, const Ray& ray, std::uint32_t triangle, const glm::vec3& position, Holds holds,
+         float t = 2.0f) {
+  return {what, ray, kWordHit, triangle, position, t, holds};
+}
+Edge none(const char* what, const Ray& ray, Holds holds, std::uint32_t kind = kWordMiss) {
+  return {what, ray, kind, 0, glm::vec3(0.0f), 0.0f, holds};
+}
 
 bool is_asked(const Written& w) { return glm::vec3(w.light[1]) != glm::vec3(0.0f); }
 bool on_ground(const Written& w) { return w.channels[1].x == kFirst + kEdgeTriangles; }
@@ -56,9 +64,8 @@ bool is_refracted_downwards(const glm::dvec3& told) {
 }
 
 /// Triangles in the plane z = 0, seen from above: plain; with normals in that plane; shining, with such normals; glass;
-/// air; thinner than air, with tilted normals; bumped, where u hardly
-/// grows; painted; with normals that cancel. Before them others, which nobody hits. A light at (0, 0, 4). The round
-/// ground, of radius 1, stands at z = -8.
+/// air; thinner than air, with tilted normals; bumped, where u hardly grows; painted; with normals that cancel. Before
+/// them others, which nobody hits. A light at (0, 0, 4). The round ground, of radius 1, stands at z = -8.
 Scene plane(bool has_ground) {
   Scene scene;
   scene.name = "edges";
@@ -109,206 +116,82 @@ std::vector<Edge> edges() {
   const auto ground_ray = [](float x, float z, float dz, float t_max) {
     return Ray{{x, 0.0f, z}, {0.0f, 0.0f, dz}, t_max};
   };
-  const auto missed = kWordMiss;
   std::vector<Edge> all{
-      {"6.6: a light in the surface's plane is not asked, whatever n",
-       down,
-       kWordHit,
-       1,
-       {-1.0f, 0.0f, 4.0f},
-       2.0f,
-       [](const Written& w) { return !is_asked(w) && w.light[2] == glm::vec4(0.0f); }},
-      {"6.6: a light at the hit is not asked",
-       down,
-       kWordHit,
-       0,
-       {0.0f, 0.0f, 4.0f},
-       2.0f,
-       [](const Written& w) { return !is_asked(w) && w.light[2] == glm::vec4(0.0f); }},
-      {"6.6: a light square to n is not asked",
-       down,
-       kWordHit,
-       1,
-       {0.0f, 0.0f, 0.0f},
-       2.0f,
-       [](const Written& w) { return !is_asked(w); }},
-      {"6.4: a normal square to N is not turned round", down, kWordHit, 1, {-3.0f, 0.0f, 0.0f}, 2.0f, is_asked},
-      {"6.6: a shadow ray ends at the light",
-       down,
-       kWordHit,
-       0,
-       {0.0f, 0.0f, 0.0f},
-       2.0f,
-       [](const Written& w) { return is_asked(w) && w.light[0].w == 1.0f; }},
-      {"6.4: n stays where no float holds A of the bump map", down, kWordHit, 6, {0.0f, 0.0f, 0.0f}, 2.0f, is_asked},
-      {"6.4: C is the texture's",
-       down,
-       kWordHit,
-       7,
-       {0.0f, 0.0f, 0.0f},
-       2.0f,
-       [](const Written& w) { return glm::vec3(w.light[2]) == glm::vec3(0.75f, 0.375f, 0.1875f); }},
-      {"6.4: n is N where the normals cancel", down, kWordHit, 8, {0.0f, 0.0f, 0.0f}, 2.0f, is_asked},
-      {"6.7: what leaves is of unit length, along x",
-       {{-2.0f, 0.0f, 0.0f}, {1e30f, 0.0f, 0.0f}, kInfinite},
-       kWordHit,
-       3,
-       {0.0f, 0.0f, 0.0f},
-       2.0f,
-       [](const Written& w) { return glm::vec3(w.scatter[1]) == glm::vec3(1.0f, 0.0f, 0.0f); }},
-      {"6.7: what leaves is of unit length, along y",
-       {{0.0f, -2.0f, 0.0f}, {0.0f, 1e30f, 0.0f}, kInfinite},
-       kWordHit,
-       3,
-       {0.0f, 0.0f, 0.0f},
-       2.0f,
-       [](const Written& w) { return glm::vec3(w.scatter[1]) == glm::vec3(0.0f, 1.0f, 0.0f); }},
-      {"6.6: a highlight where n.h is 0 is dark, for shine 0 too",
-       mirrored,
-       kWordHit,
-       2,
-       {-3.0f, 0.0f, 0.0f},
-       1.0f,
-       [](const Written& w) { return is_asked(w) && w.light[2] == glm::vec4(0.0f); }},
-      {"6.7: n stays where n and its perturbation cancel",
-       mirrored,
-       kWordHit,
-       2,
-       {-3.0f, 0.0f, 0.0f},
-       1.0f,
-       [](const Written& w) { return w.scatter[1].x < -0.5f && w.scatter[1].z > 0.5f; }},
-      {"6.7: a ray along the surface enters",
-       level,
-       kWordHit,
-       3,
-       {0.0f, 0.0f, 0.0f},
-       2.0f,
-       [](const Written& w) { return w.scatter[2].z < 0.0f && w.scatter[3].z < -0.5f; }},
-      {"6.4: n_g is N for a ray along the surface",
-       level,
-       kWordHit,
-       3,
-       {0.0f, 0.0f, 0.0f},
-       2.0f,
-       [](const Written& w) { return w.scatter[0].z > 0.0f; }},
-      {"6.7: k = 0 is no total reflection",
-       level,
-       kWordHit,
-       4,
-       {0.0f, 0.0f, 0.0f},
-       2.0f,
-       [](const Written& w) { return w.scatter[2].z < 0.0f; }},
-      {"6.7: what would be refracted upwards is mirrored at the surface",
-       slanted,
-       kWordHit,
-       5,
-       {0.0f, 0.0f, 0.0f},
-       2.0f,
-       [](const Written& w) { return is_refracted_downwards(glm::dvec3(w.scatter[3])); }},
-      {"6.8: the ground's rim is hit", ground_ray(1.0f, 0.0f, -1.0f, kInfinite), missed, 0, {}, 0.0f, on_ground},
-      {"6.8: the ground is hit at t_max",
-       ground_ray(0.0f, 0.0f, -1.0f, 8.0f),
-       missed,
-       0,
-       {},
-       0.0f,
-       [](const Written& w) { return on_ground(w) && w.channels[0].w == 8.0f && !is_added(w); }},
-      {"6.8: the ground is not hit beyond t_max",
-       ground_ray(0.0f, 0.0f, -1.0f, 7.5f),
-       missed,
-       0,
-       {},
-       0.0f,
-       [](const Written& w) { return !on_ground(w) && is_added(w); }},
-      {"6.8: the ground is hit from below along N",
-       ground_ray(0.0f, -9.0f, 1.0f, kInfinite),
-       missed,
-       0,
-       {},
-       0.0f,
-       [](const Written& w) { return on_ground(w) && !is_added(w); }},
-      {"6.8: the ground is hit near the start",
-       ground_ray(0.0f, -7.75f, -1.0f, kInfinite),
-       missed,
-       0,
-       {},
-       0.0f,
-       [](const Written& w) { return on_ground(w) && w.channels[0].w == 0.25f && !is_added(w); }},
-      {"6.8: the ground is not hit where the ray starts",
-       ground_ray(0.0f, -8.0f, -1.0f, kInfinite),
-       missed,
-       0,
-       {},
-       0.0f,
-       [](const Written& w) { return !on_ground(w) && is_added(w); }},
-      {"6.8: a primitive at the same t stands before the ground",
-       ground_ray(0.0f, 0.0f, -1.0f, kInfinite),
-       kWordHit,
-       3,
-       {0.0f, 0.0f, -8.0f},
-       8.0f,
-       [](const Written& w) { return w.channels[1].x == kFirst + 3 && glm::vec3(w.scatter[3]) != glm::vec3(0.0f); }},
-      {"6.6: what is hit is in shadow",
-       down,
-       kWordHit,
-       0,
-       {0.0f, 0.0f, 0.0f},
-       2.0f,
-       [](const Written& w) { return glm::vec3(w.sum) == glm::vec3(0.5f) && w.sum.w == 3.0f; }},
-      {"6.1: a ray that hits nothing brings the background",
-       ground_ray(4.0f, 0.0f, 1.0f, kInfinite),
-       missed,
-       0,
-       {},
-       0.0f,
-       [](const Written& w) { return w.light[2] == glm::vec4(0.25f, 0.25f, 0.25f, 0.0f) && w.sum.w == 3.0f; }},
-      {"a walk without an end is told, and is no hit of the ground",
-       ground_ray(0.0f, 0.0f, -1.0f, kInfinite),
-       kWordCapped,
-       0,
-       {},
-       0.0f,
-       [](const Written& w) { return w.light[2].w > 0.0f && w.sum.w == 4.0f && !is_asked(w) && !on_ground(w); }},
-      {"an undefined ray is a miss",
-       ground_ray(4.0f, 0.0f, 1.0f, kInfinite),
-       kWordUndefined,
-       0,
-       {},
-       0.0f,
-       [](const Written& w) { return w.light[2].w == 0.0f && w.sum.w == 3.0f && is_added(w); }},
-      {"what is no ray brings nothing",
-       {glm::vec3(0.0f), glm::vec3(0.0f), 0.0f},
-       kWordCapped,
-       0,
-       {},
-       0.0f,
-       [](const Written& w) { return w.light[2] == glm::vec4(0.0f); }},
+      hit("6.6: a light in the surface's plane is not asked, whatever n", down, 1, {-1.0f, 0.0f, 4.0f},
+          [](const Written& w) { return !is_asked(w) && w.light[2] == glm::vec4(0.0f); }),
+      hit("6.6: a light at the hit is not asked", down, 0, {0.0f, 0.0f, 4.0f},
+          [](const Written& w) { return !is_asked(w) && w.light[2] == glm::vec4(0.0f); }),
+      hit("6.6: a light square to n is not asked", down, 1, {0.0f, 0.0f, 0.0f},
+          [](const Written& w) { return !is_asked(w); }),
+      hit("6.4: a normal square to N is not turned round", down, 1, {-3.0f, 0.0f, 0.0f}, is_asked),
+      hit("6.6: a shadow ray ends at the light", down, 0, {0.0f, 0.0f, 0.0f},
+          [](const Written& w) { return is_asked(w) && w.light[0].w == 1.0f; }),
+      hit("6.4: n stays where no float holds A of the bump map", down, 6, {0.0f, 0.0f, 0.0f}, is_asked),
+      hit("6.4: C is the texture's", down, 7, {0.0f, 0.0f, 0.0f},
+          [](const Written& w) { return glm::vec3(w.light[2]) == glm::vec3(0.75f, 0.375f, 0.1875f); }),
+      hit("6.4: n is N where the normals cancel", down, 8, {0.0f, 0.0f, 0.0f}, is_asked),
+      hit("6.7: what leaves is of unit length, along x", Ray{{-2.0f, 0.0f, 0.0f}, {1e30f, 0.0f, 0.0f}, kInfinite}, 3,
+          {0.0f, 0.0f, 0.0f}, [](const Written& w) { return glm::vec3(w.scatter[1]) == glm::vec3(1.0f, 0.0f, 0.0f); }),
+      hit("6.7: what leaves is of unit length, along y", Ray{{0.0f, -2.0f, 0.0f}, {0.0f, 1e30f, 0.0f}, kInfinite}, 3,
+          {0.0f, 0.0f, 0.0f}, [](const Written& w) { return glm::vec3(w.scatter[1]) == glm::vec3(0.0f, 1.0f, 0.0f); }),
+      hit("6.6: a highlight where n.h is 0 is dark, for shine 0 too", mirrored, 2, {-3.0f, 0.0f, 0.0f},
+          [](const Written& w) { return is_asked(w) && w.light[2] == glm::vec4(0.0f); }),
+      hit("6.7: n stays where n and its perturbation cancel", mirrored, 2, {-3.0f, 0.0f, 0.0f},
+          [](const Written& w) { return w.scatter[1].x < -0.5f && w.scatter[1].z > 0.5f; }),
+      hit("6.7: a ray along the surface enters", level, 3, {0.0f, 0.0f, 0.0f},
+          [](const Written& w) { return w.scatter[2].z < 0.0f && w.scatter[3].z < -0.5f; }),
+      hit("6.4: n_g is N for a ray along the surface", level, 3, {0.0f, 0.0f, 0.0f},
+          [](const Written& w) { return w.scatter[0].z > 0.0f; }),
+      hit("6.7: k = 0 is no total reflection", level, 4, {0.0f, 0.0f, 0.0f},
+          [](const Written& w) { return w.scatter[2].z < 0.0f; }),
+      hit("6.7: what would be refracted upwards is mirrored at the surface", slanted, 5, {0.0f, 0.0f, 0.0f},
+          [](const Written& w) { return is_refracted_downwards(glm::dvec3(w.scatter[3])); }),
+      none("6.8: the ground's rim is hit", ground_ray(1.0f, 0.0f, -1.0f, kInfinite), on_ground),
+      none("6.8: the ground is hit at t_max", ground_ray(0.0f, 0.0f, -1.0f, 8.0f),
+           [](const Written& w) { return on_ground(w) && w.channels[0].w == 8.0f && !is_added(w); }),
+      none("6.8: the ground is not hit beyond t_max", ground_ray(0.0f, 0.0f, -1.0f, 7.5f),
+           [](const Written& w) { return !on_ground(w) && is_added(w); }),
+      none("6.8: the ground is hit from below along N", ground_ray(0.0f, -9.0f, 1.0f, kInfinite),
+           [](const Written& w) { return on_ground(w) && !is_added(w); }),
+      none("6.8: the ground is hit near the start", ground_ray(0.0f, -7.75f, -1.0f, kInfinite),
+           [](const Written& w) { return on_ground(w) && w.channels[0].w == 0.25f && !is_added(w); }),
+      none("6.8: the ground is not hit where the ray starts", ground_ray(0.0f, -8.0f, -1.0f, kInfinite),
+           [](const Written& w) { return !on_ground(w) && is_added(w); }),
+      hit(
+          "6.8: a primitive at the same t stands before the ground", ground_ray(0.0f, 0.0f, -1.0f, kInfinite), 3,
+          {0.0f, 0.0f, -8.0f},
+          [](const Written& w) { return w.channels[1].x == kFirst + 3 && glm::vec3(w.scatter[3]) != glm::vec3(0.0f); },
+          8.0f),
+      hit("6.6: what is hit is in shadow", down, 0, {0.0f, 0.0f, 0.0f},
+          [](const Written& w) { return glm::vec3(w.sum) == glm::vec3(0.5f) && w.sum.w == 3.0f; }),
+      none("6.1: a ray that hits nothing brings the background", ground_ray(4.0f, 0.0f, 1.0f, kInfinite),
+           [](const Written& w) { return w.light[2] == glm::vec4(0.25f, 0.25f, 0.25f, 0.0f) && w.sum.w == 3.0f; }),
+      none(
+          "a walk without an end is told, and is no hit of the ground", ground_ray(0.0f, 0.0f, -1.0f, kInfinite),
+          [](const Written& w) { return w.light[2].w > 0.0f && w.sum.w == 4.0f && !is_asked(w) && !on_ground(w); },
+          kWordCapped),
+      none(
+          "an undefined ray is a miss", ground_ray(4.0f, 0.0f, 1.0f, kInfinite),
+          [](const Written& w) { return w.light[2].w == 0.0f && w.sum.w == 3.0f && is_added(w); }, kWordUndefined),
+      none(
+          "what is no ray brings nothing", Ray{glm::vec3(0.0f), glm::vec3(0.0f), 0.0f},
+          [](const Written& w) { return w.light[2] == glm::vec4(0.0f); }, kWordCapped),
   };
   for (int i = 0; i < 8; ++i) {
     const glm::vec3 there(0.1f, 0.2f, -8.0f),
         afar = glm::vec3(1000.0f, 2000.0f, 3000.0f) + 37.0f * static_cast<float>(i);
-    all.push_back({"6.4: a hit of the ground lies in its plane, from however far",
-                   {afar, glm::normalize(there - afar), kInfinite},
-                   missed,
-                   0,
-                   {},
-                   0.0f,
-                   [](const Written& w) {
-                     const float above = w.light[0].z + 8.0f, delta = 0x1p-17f * 8.0f;
-                     return on_ground(w) && above > 0.9f * delta && above < 1.1f * delta;
-                   }});
+    all.push_back(none("6.4: a hit of the ground lies in its plane, from however far",
+                       {afar, glm::normalize(there - afar), kInfinite}, [](const Written& w) {
+                         const float above = w.light[0].z + 8.0f, delta = 0x1p-17f * 8.0f;
+                         return on_ground(w) && above > 0.9f * delta && above < 1.1f * delta;
+                       }));
   }
   return all;
 }
 
 std::vector<Edge> edges_without_ground() {
-  return {{"6.8: a radius of 0 is no ground",
-           {{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -1.0f}, kInfinite},
-           kWordMiss,
-           0,
-           {},
-           0.0f,
-           [](const Written& w) { return !on_ground(w) && is_added(w); }}};
+  return {none("6.8: a radius of 0 is no ground", {{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -1.0f}, kInfinite},
+               [](const Written& w) { return !on_ground(w) && is_added(w); })};
 }
 
 constexpr std::array<RenderPass, 4> kPasses{RenderPass::light, RenderPass::scatter, RenderPass::channels,

@@ -72,7 +72,8 @@ std::vector<Hit> walked(GlContext& context, const GeometryImage& image, const As
   }
   const GlTexture from(context, GL_RGBA32F, GL_RGBA, GL_FLOAT, kBatchWidth, rows, origins.data());
   const GlTexture along(context, GL_RGBA32F, GL_RGBA, GL_FLOAT, kBatchWidth, rows, directions.data());
-  RayWalk walk(context, image, a.bundle, a.sliced ? slices_of(image) : std::vector<ShaderPatch>{});
+  const AddedPatches added(context, a.sliced ? slices_of(image) : std::vector<ShaderPatch>{});
+  RayWalk walk(context, image, a.bundle, {});
   const HitTargets& targets = walk.trace({&from, &along}, columns, rows, a.query);
   std::array<std::vector<PassWords>, kPassTargets> words;
   const GlFunctions& gl = context.use();
@@ -108,7 +109,6 @@ MutationOracle oracle_of(GlContext& context, const Asked& a) {
   MutationOracle oracle;
   oracle.name = name_of(a);
   oracle.programs = lines_of(*image, a);
-  if (a.sliced) leave_out_sliced(*image, oracle);
   if (a.alike) {
     auto alike = std::make_shared<std::vector<Ray>>();
     auto models = std::make_shared<std::vector<ModelWalk>>();
@@ -162,9 +162,7 @@ MutationOracle states(GlContext& context, RayQuery query, bool thorough) {
   oracle.name =
       std::string("states.mixed") + (query == RayQuery::any ? ".any" : ".nearest") + (thorough ? ".thorough" : "");
   oracle.programs = {active_lines(probe_fragment_shader(variant)), active_lines(probe_vertex_shader())};
-  leave_out_sliced(*image, oracle);
-  const ShaderText shader = probe_fragment_shader(variant, slices_of(*image, 0));
-  oracle.ask = [&context, image, shader, &rays = stage.rare.rays](const Mutant&) -> std::string {
+  oracle.ask = [&context, image, variant, &rays = stage.rare.rays](const Mutant&) -> std::string {
     std::vector<glm::vec4> origins, directions;
     for (const Ray& ray : rays)
       origins.emplace_back(ray.origin, ray.t_max), directions.emplace_back(ray.direction, 0.0f);
@@ -173,8 +171,9 @@ MutationOracle states(GlContext& context, RayQuery query, bool thorough) {
     const GlTexture from(context, GL_RGBA32F, GL_RGBA, GL_FLOAT, columns, rows, origins.data());
     const GlTexture along(context, GL_RGBA32F, GL_RGBA, GL_FLOAT, columns, rows, directions.data());
     const GlTexture geometry = upload_image(context, *image);
+    const AddedPatches added(context, slices_of(*image, 0));
     const HitTargets targets(context, kPassTargets - 1);
-    const GlProgram program(context, link_program(context, probe_vertex_shader(), shader));
+    const GlProgram program(context, link_program(context, probe_vertex_shader(), probe_fragment_shader(variant)));
     const GlFunctions& gl = context.use();
     program.use();
     set_pass(program, pass_constants(*image), {image->scale_exponent, 0, static_cast<int>(image->primitive_count), 0});

@@ -2,10 +2,10 @@
 // Scenes and rays that mutants are asked with, and what is known of them: small, since every mutant is asked anew.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
-#include "harness/mutation_oracles.h"
 #include "harness/session.h"
 #include "reference/embree.h"
 #include "tracer/shader_patch.h"
@@ -22,7 +22,6 @@ enum class MutationScene {
   twins,           ///< the same without instances
   slats,           ///< triangles that all of the rays see edge-on
   scales,          ///< the shipped scene of instances of very different sizes
-  few,             ///< three spheres and two triangles
   speck,           ///< `mixed`, 2^-70 times as large
   giant,           ///< `nested`, 2^60 times as large, and off the origin
   apart,           ///< instances 2^-20, 1 and 2^20 times as large, in one another too
@@ -44,12 +43,22 @@ struct MutationStage {
   MutationRays rare;   ///< the others, and some of the plain ones between them
 };
 
-/// Cuts walks through such an image into slices of `steps` steps and one, or of a few where there are transforms, as a
-/// driver does that ends loops before their time: all
-/// else of them goes on in further passes.
+/// Cuts walks through such an image into slices, as a driver does that ends loops before their time: the rest of a walk
+/// goes on in further passes. A slice is `steps` + 1 nodes, and a few where there are transforms.
 std::vector<ShaderPatch> slices_of(const GeometryImage& image, int steps = 24);
-/// Mutants of the file that is changed for it, whose places it moves, are others' to see.
-void leave_out_sliced(const GeometryImage& image, MutationOracle& oracle);
+
+/// Adds patches to those of a context for as long as this lives. They come after a mutant, which is found by its place.
+class AddedPatches {
+ public:
+  AddedPatches(GlContext& context, std::span<const ShaderPatch> patches);
+  ~AddedPatches();
+  AddedPatches(const AddedPatches&) = delete;
+  AddedPatches& operator=(const AddedPatches&) = delete;
+
+ private:
+  GlContext& context_;
+  const std::vector<ShaderPatch> before_;
+};
 
 /// Made when it is first asked for, in a context without patches.
 const MutationStage& mutation_stage(GlContext& context, MutationScene scene);

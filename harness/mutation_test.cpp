@@ -2,6 +2,7 @@
 // Mutation testing kills what it should, lets live what changes nothing, and tells which lines a program compiles.
 #include "harness/mutation.h"
 
+#include <array>
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <fstream>
@@ -9,10 +10,12 @@
 
 #include "harness/active_lines.h"
 #include "harness/mutation_oracles.h"
+#include "harness/mutation_scenes.h"
 #include "harness/walk_model.h"
 #include "scenes/error.h"
 #include "scenes/generate.h"
 #include "scenes/rays.h"
+#include "tracer/embedded_shaders.h"
 #include "tracer/probe.h"
 
 namespace plumbline {
@@ -98,6 +101,29 @@ TEST_CASE("walks are re-enacted in C++, node by node", "[mutation]") {
       }
       CHECK(clear > rays.size() / 2);
       CHECK(wrong == 0);
+    }
+}
+
+TEST_CASE("walks are cut into slices where no mutant is", "[mutation]") {
+  GlContext context;
+  for (const char* name : {"sphereflake:1", "nested"})
+    for (const Layout layout : {Layout::compact, Layout::paper}) {
+      BakeOptions options;
+      options.layout = layout;
+      const GeometryImage image = bake(load_scene(name), options);
+      for (const ShaderPatch& slice : slices_of(image)) {
+        std::string_view text;
+        for (const EmbeddedShader& file : embedded_shaders())
+          if (file.name == slice.file) text = file.text;
+        const std::size_t at = text.find(slice.find);
+        REQUIRE(at != std::string_view::npos);
+        for (const Mutant& m : mutants_of(slice.file, text))
+          CHECK((m.at + m.before.size() <= at || m.at >= at + slice.find.size()));
+        // And a mutant before it in the file does not move it.
+        const AddedPatches mutant(context, std::array{patch_of(mutants_of(slice.file, text).front())});
+        const AddedPatches added(context, std::array{slice});
+        CHECK_NOTHROW(Probe(context, image));
+      }
     }
 }
 

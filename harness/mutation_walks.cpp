@@ -117,7 +117,6 @@ MutationOracle oracle_of(GlContext& context, const Program& p) {
   MutationOracle oracle;
   oracle.name = name_of(p);
   oracle.programs = lines_of(*image, p);
-  if (p.sliced) leave_out_sliced(*image, oracle);
   const MutationRays& rays = p.rare ? stage.rare : stage.plain;
   const bool drifts = p.options.transform_out == TransformOut::inverse;
   auto alone = std::make_shared<std::vector<Hit>>(), passed = std::make_shared<std::vector<Hit>>();
@@ -133,9 +132,8 @@ MutationOracle oracle_of(GlContext& context, const Program& p) {
   for (std::size_t i = 0; i < model.size() && !drifts; ++i)
     if (model[i].is_clear && i < rays.odd_from) clear.push_back(rays.rays[i]);
   oracle.ask = [&context, &stage, &rays, image, p, drifts, alone, passed, model, clear](const Mutant& mutant) {
-    const std::vector<ShaderPatch> patches = p.sliced ? slices_of(*image) : std::vector<ShaderPatch>{};
-    Probe probe =
-        p.bundle > 1 ? Probe(context, *image, BundleSize{p.bundle}) : Probe(context, *image, p.traversal, patches);
+    const AddedPatches added(context, p.sliced ? slices_of(*image) : std::vector<ShaderPatch>{});
+    Probe probe = p.bundle > 1 ? Probe(context, *image, BundleSize{p.bundle}) : Probe(context, *image, p.traversal);
     if (!clear.empty() && !p.sliced) {
       std::vector<Hit> ended(clear.size());
       probe.trace(clear, ended);
@@ -153,7 +151,7 @@ MutationOracle oracle_of(GlContext& context, const Program& p) {
       const std::vector<Hit>& known = p.options.layout == Layout::compact ? rays.brute_paper : rays.brute_compact;
       if (const std::string what = first_difference(rays, hits, known); !what.empty()) return what;
     }
-    if (!drifts && (p.scene == MutationScene::doubles || p.scene == MutationScene::twins))
+    if (p.scene == MutationScene::doubles || p.scene == MutationScene::twins)
       if (const std::string what = first_wrong_tie(stage.stage.scene, rays.rays, hits); !what.empty()) return what;
     return first_failure(stage.stage.judge_of(p.options.transform_out), rays, hits, *passed);
   };
@@ -212,8 +210,6 @@ std::vector<MutationOracle> walk_oracles(GlContext& context) {
       {S::mixed, compact, tree, 1, true},
       {S::triangles, paper_boxes, tree, 1, true},
       {S::slats, compact, tree, 1, true},
-      {S::few, compact},
-      {S::few, paper},
       {S::mixed, compact, tree, 1, false, false, true},
       {S::mixed, paper, tree, 1, false, false, true},
       {S::nested, compact, tree, 1, false, false, true},
@@ -225,7 +221,6 @@ std::vector<MutationOracle> walk_oracles(GlContext& context) {
       {S::apart, compact, tree, 1, true},
       {S::apart, drift, tree, 1, true},
       {S::apart, boxes, tree, 1, true},
-      {S::doubles, drift, tree, 2},
       {S::twins, compact},
       {S::doubles, compact},
       {S::nested, compact},
