@@ -166,6 +166,28 @@ Scene apart() {
   return scene;
 }
 
+/// Pairs of instances that are small beside the way to them: there t is much coarser than what stands in them.
+Scene pairs() {
+  Scene scene;
+  scene.materials.resize(1);
+  Random random(kSeed, name_hash("pairs"), 0);
+  for (int i = 0; i < 6; ++i) {
+    const glm::vec3 at = cube_point(random);
+    add_triangle(scene, at + 0.7f * cube_point(random), at + 0.7f * cube_point(random), at + 0.7f * cube_point(random));
+  }
+  for (int i = 0; i < 8; ++i) scene.spheres.push_back({cube_point(random), 0.3f, 0});
+  scene.spheres.push_back({{0.0f, 0.0f, -2.0f}, 0.5f, 0});
+  scene.parts.push_back({"piece", 0, 6, 0, 8});
+  for (int i = 0; i < 12; ++i) {
+    Transform t;
+    t.linear = 0x1p-15f * glm::mat3(0.6f, 0.8f, 0.0f, -0.8f, 0.6f, 0.0f, 0.0f, 0.1f, 1.1f);
+    t.translation = cube_point(random);
+    for (int twice = 0; twice < 2; ++twice) scene.nodes.push_back({"piece", kNone, 0, t, t});
+  }
+  frame_camera(scene);
+  return scene;
+}
+
 Scene made(MutationScene scene) {
   switch (scene) {
     case MutationScene::mixed:
@@ -190,6 +212,8 @@ Scene made(MutationScene scene) {
       return scaled(load_scene("nested"), 0x1p60f, {40.0f, -30.0f, 20.0f});
     case MutationScene::apart:
       return apart();
+    case MutationScene::pairs:
+      return pairs();
     case MutationScene::scales:
       break;
   }
@@ -285,9 +309,9 @@ void know(GlContext& context, const Stage& stage, MutationRays& rays) {
 }  // namespace
 
 const char* name_of(MutationScene scene) {
-  static constexpr std::array<const char*, 12> kNames{"mixed",          "spheres", "triangles", "nested",
-                                                      "spheres_placed", "doubles", "twins",     "slats",
-                                                      "scales",         "speck",   "giant",     "apart"};
+  static constexpr std::array<const char*, 13> kNames{"mixed",   "spheres", "triangles", "nested", "spheres_placed",
+                                                      "doubles", "twins",   "slats",     "scales", "speck",
+                                                      "giant",   "apart",   "pairs"};
   return kNames[static_cast<std::size_t>(scene)];
 }
 
@@ -302,6 +326,21 @@ std::vector<ShaderPatch> slices_of(const GeometryImage& image, int steps) {
              "#endif\n  int slice = walk.steps;\n  for (;;) {\n    if (" + is_over + ") break;"}};
   return {{"walk_paper.glsl", "  for (;;) {\n    if (walk.ended) break;",
            "  int slice = walk.steps;\n  for (;;) {\n    if (walk.ended || " + is_over + ") break;"}};
+}
+
+std::vector<ShaderPatch> loops_that_end(const GeometryImage& image, int rounds) {
+  PLUMBLINE_ASSERT(image.transform_count > 0);
+  const std::string breaks = "if (--rounds_left < 0) break;\n", comment = "    // A pixel that has left the loop must";
+  return {{"ray_prepare.glsl", "PRECISE WalkRay ray;\n",
+           "PRECISE WalkRay ray;\nint rounds_left = " + std::to_string(rounds) + ";\n"},
+          {"ray_prepare.glsl", "    shift_high = t_sum;\n", "    shift_high = t_sum;\n    " + breaks},
+          {"transform.glsl", "      enter_space(node);\n", "      " + breaks + "      enter_space(node);\n"},
+          // The inner loop's condition asks for `level`, which then is where `above` is.
+          {"transform.glsl", "    int above = depth;\n",
+           "    int above = depth;\n    bool is_over = --rounds_left < 0;\n#define level (is_over ? above : level)\n"},
+          {"transform.glsl", comment, "#undef level\n" + comment},
+          {"result.glsl", "      normal = times_transposed(back_0, back_1, back_2, normal);\n",
+           "      " + breaks + "      normal = times_transposed(back_0, back_1, back_2, normal);\n"}};
 }
 
 AddedPatches::AddedPatches(GlContext& context, std::span<const ShaderPatch> patches)

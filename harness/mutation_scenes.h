@@ -25,6 +25,7 @@ enum class MutationScene {
   speck,           ///< `mixed`, 2^-70 times as large
   giant,           ///< `nested`, 2^60 times as large, and off the origin
   apart,           ///< instances 2^-20, 1 and 2^20 times as large, in one another too
+  pairs,           ///< instances 2^-15 as large as the world is, two at each place
 };
 const char* name_of(MutationScene scene);
 
@@ -46,6 +47,9 @@ struct MutationStage {
 /// Cuts walks through such an image into slices, as a driver does that ends loops before their time: the rest of a walk
 /// goes on in further passes. A slice is `steps` + 1 nodes, and a few where there are transforms.
 std::vector<ShaderPatch> slices_of(const GeometryImage& image, int steps = 24);
+/// Ends the loops of transforms and far rays once an invocation has gone through them so many times together, as a
+/// driver does that counts iterations (design: Mesa before 23): in the middle of a round, and every loop from then on.
+std::vector<ShaderPatch> loops_that_end(const GeometryImage& image, int rounds);
 
 /// Adds patches to those of a context for as long as this lives. They come after a mutant, which is found by its place.
 class AddedPatches {

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "harness/active_lines.h"
+#include "harness/hit_cases.h"
 #include "harness/mutation_oracles.h"
 #include "harness/mutation_scenes.h"
 #include "harness/walk_model.h"
@@ -104,27 +105,56 @@ TEST_CASE("walks are re-enacted in C++, node by node", "[mutation]") {
     }
 }
 
-TEST_CASE("walks are cut into slices where no mutant is", "[mutation]") {
+TEST_CASE("walks are interrupted where no mutant is", "[mutation]") {
   GlContext context;
   for (const char* name : {"sphereflake:1", "nested"})
     for (const Layout layout : {Layout::compact, Layout::paper}) {
       BakeOptions options;
       options.layout = layout;
       const GeometryImage image = bake(load_scene(name), options);
-      for (const ShaderPatch& slice : slices_of(image)) {
-        std::string_view text;
-        for (const EmbeddedShader& file : embedded_shaders())
-          if (file.name == slice.file) text = file.text;
-        const std::size_t at = text.find(slice.find);
-        REQUIRE(at != std::string_view::npos);
-        for (const Mutant& m : mutants_of(slice.file, text))
-          CHECK((m.at + m.before.size() <= at || m.at >= at + slice.find.size()));
-        // And a mutant before it in the file does not move it.
-        const AddedPatches mutant(context, std::array{patch_of(mutants_of(slice.file, text).front())});
-        const AddedPatches added(context, std::array{slice});
-        CHECK_NOTHROW(Probe(context, image));
-      }
+      std::vector<std::vector<ShaderPatch>> interruptions{slices_of(image)};
+      if (image.transform_count > 0) interruptions.push_back(loops_that_end(image, 8));
+      for (const std::vector<ShaderPatch>& patches : interruptions)
+        for (const ShaderPatch& patch : patches) {
+          std::string_view text;
+          for (const EmbeddedShader& file : embedded_shaders())
+            if (file.name == patch.file) text = file.text;
+          const std::size_t at = text.find(patch.find);
+          REQUIRE(at != std::string_view::npos);
+          for (const Mutant& m : mutants_of(patch.file, text))
+            CHECK((m.at + m.before.size() <= at || m.at >= at + patch.find.size()));
+          // And a mutant before it in the file does not move it.
+          const AddedPatches mutant(context, std::array{patch_of(mutants_of(patch.file, text).front())});
+          const AddedPatches added(context, patches);
+          CHECK_NOTHROW(Probe(context, image));
+        }
     }
+}
+
+TEST_CASE("walks whose loops a driver ends go on, and answer as a loop over all primitives does", "[mutation]") {
+  GlContext context;
+  const Scene scene = load_scene("nested");
+  const RaySource source(scene);
+  const std::vector<Ray> rays = mixed_rays(source, 1, 96);
+  for (const Layout layout : {Layout::compact, Layout::paper}) {
+    BakeOptions options;
+    options.layout = layout;
+    const GeometryImage image = bake(scene, options);
+    std::vector<Hit> known(rays.size());
+    Probe(context, image, Traversal::brute_force).trace(rays, known);
+    for (const int rounds : {16, 40})
+      for (const int bundle : {1, 2, 4}) {
+        const AddedPatches ended(context, loops_that_end(image, rounds));
+        std::vector<Hit> hits(rays.size());
+        Probe probe = bundle > 1 ? Probe(context, image, BundleSize{bundle}) : Probe(context, image);
+        probe.trace(rays, hits);
+        CHECK(probe.resumed_passes() > 0);
+        std::size_t other = 0;
+        for (std::size_t i = 0; i < rays.size(); ++i) other += same_bits(hits[i], known[i]) ? 0 : 1;
+        INFO(name_of(layout) << ", " << rounds << " rounds, bundles of " << bundle);
+        CHECK(other == 0);
+      }
+  }
 }
 
 TEST_CASE("the list of equivalent mutants is read whole or refused", "[mutation]") {

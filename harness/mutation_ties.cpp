@@ -99,6 +99,9 @@ MutationOracle of_known(GlContext& context, std::string name, const Scene& scene
     for (std::size_t i = 0; i < rays.size(); ++i) {
       const bool is_hit = known[i].primitive != kNone;
       const Hit& hit = hits[i];
+      const float length = glm::length(hit.normal);
+      if (is_hit && hit.kind == HitKind::hit && !(std::abs(length - 1.0f) < 1e-3f))
+        return "ray " + std::to_string(i) + " has a normal " + std::to_string(length) + " long";
       if (hit.kind == (is_hit ? HitKind::hit : HitKind::miss) && hit.primitive == known[i].primitive &&
           hit.instance == known[i].instance)
         continue;
@@ -192,6 +195,65 @@ MutationOracle deepest(GlContext& context) {
   return of_known(context, "deepest", scene, {}, rays, {{0, kMaxDepth - 1}, {}});
 }
 
+/// Two triangles share an edge along x, `away` along z; rays pass it so near that their y must not be taken for 0.
+MutationOracle beside_edge(GlContext& context, const char* name, float size, float away, float beside) {
+  Scene scene;
+  scene.materials.resize(1);
+  scene.positions = {{-size, 0.0f, away}, {size, 0.0f, away}, {0.0f, -size, away}, {0.0f, size, away}};
+  scene.triangles.emplace_back().position = {0, 2, 1};
+  scene.triangles.emplace_back().position = {0, 1, 3};
+  frame_camera(scene);
+  std::vector<Ray> rays;
+  std::vector<Known> known;
+  for (const float y : {beside, 0.0f, -beside}) {
+    rays.push_back({{0.25f * size, y, away + size}, {0.0f, 0.0f, -1.0f}});
+    known.push_back({y > 0.0f ? 1u : 0u, kNone});
+  }
+  return of_known(context, name, scene, {}, rays, known);
+}
+
+/// An instance so small and sheared that normals come out of it nearly as long as floats reach. Rays along x pass
+/// through its very middle.
+MutationOracle smallest_instance(GlContext& context) {
+  Scene scene;
+  scene.materials.resize(1);
+  scene.spheres = {{{0.0f, 4.0f, 0.0f}, 1.0f, 0}, {{0.0f, 0.0f, 0.0f}, 1.0f, 0}};
+  scene.parts.push_back({"ball", 0, 0, 1, 1});
+  Transform t;
+  t.linear = 0x1p-126f * glm::mat3(1.0f, 1.0f, 0.0f, 1.0f, 1.5f, 0.0f, 0.0f, 0.0f, 1.0f);
+  scene.nodes.push_back({"smallest", kNone, 0, t, t});
+  frame_camera(scene);
+  const std::vector<Ray> rays{{{-0.5f, 0.0f, 0.0f}, {1.0f, 0.0f, 0.0f}}, {{0.5f, 0.0f, 0.0f}, {-1.0f, 0.0f, 0.0f}}};
+  return of_known(context, "smallest_instance", scene, {}, rays, {{1, 0}, {1, 0}});
+}
+
+/// A triangle of denormal numbers in a plane of one z: whatever is hit there has that z, to the last bit.
+MutationOracle faint(GlContext& context) {
+  static constexpr float kSize = 0x1p-130f, kZ = 0x3p-135f;
+  Scene scene;
+  scene.materials.resize(1);
+  scene.positions = {{-kSize, -kSize, kZ}, {kSize, -kSize, kZ}, {0.0f, kSize, kZ}};
+  scene.triangles.emplace_back().position = {0, 1, 2};
+  frame_camera(scene);
+  auto image = std::make_shared<const GeometryImage>(bake(scene));
+  std::vector<Ray> rays;
+  for (int i = 0; i < 64; ++i)
+    rays.push_back({{0x1p-137f * static_cast<float>(i - 32), -0.5f * kSize, 2.0f * kSize}, {0.0f, 0.0f, -1.0f}});
+  MutationOracle oracle;
+  oracle.name = "faint";
+  oracle.programs = lines_of(*image, 1);
+  oracle.ask = [&context, image, rays](const Mutant&) -> std::string {
+    std::vector<Hit> hits(rays.size());
+    Probe(context, *image).trace(rays, hits);
+    for (std::size_t i = 0; i < rays.size(); ++i)
+      if (hits[i].kind != HitKind::hit ||
+          std::bit_cast<std::uint32_t>(hits[i].position.z) != std::bit_cast<std::uint32_t>(kZ))
+        return "ray " + std::to_string(i) + " does not end in the plane of all that there is";
+    return {};
+  };
+  return oracle;
+}
+
 /// A walk that goes on in a cluster does so behind the leaf that it has left, and nowhere else: spheres whose second
 /// node, at texel 1, is a leaf, though not that of the first primitive.
 MutationOracle second_node(GlContext& context) {
@@ -269,7 +331,11 @@ MutationOracle endless(GlContext& context, bool has_nodes, Layout layout) {
 }  // namespace
 
 std::vector<MutationOracle> tie_oracles(GlContext& context) {
-  std::vector<MutationOracle> oracles{second_node(context), deepest(context)};
+  std::vector<MutationOracle> oracles{second_node(context), deepest(context), smallest_instance(context),
+                                      faint(context)};
+  // Beside the edge of a scene as small as is walked as it is, and of one as far from the origin as its numbers allow.
+  oracles.push_back(beside_edge(context, "beside_edge.small", 0x1.8p-20f, 0.0f, 0x1.8p-42f));
+  oracles.push_back(beside_edge(context, "beside_edge.far", 1.0f, 0x1p18f, 0x1p-44f));
   for (const bool has_nodes : {false, true})
     for (const Layout layout : {Layout::compact, Layout::paper}) {
       // One copy of the tree: then fewer texels stand before the primitives than there are primitives.

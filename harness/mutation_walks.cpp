@@ -26,36 +26,50 @@ namespace {
 
 /// Files of the walk that a loop over all primitives of the other layout's image does without.
 bool is_of_walk_alone(const std::string& file) {
-  static const std::set<std::string> kFiles{"walk_compact.glsl", "walk_paper.glsl",    "bounds.glsl",
-                                            "bundle.glsl",       "bundle.frag.glsl",   "bundle_space.glsl",
-                                            "spread.frag.glsl",  "image_compact.glsl", "image_paper.glsl"};
+  static const std::set<std::string> kFiles{
+      "walk_compact.glsl", "walk_paper.glsl",  "bounds.glsl",        "bundle.glsl",      "bundle.frag.glsl",
+      "bundle_space.glsl", "spread.frag.glsl", "image_compact.glsl", "image_paper.glsl", "change_space.glsl"};
   return kFiles.contains(file);
 }
 
 /// Files that a ray that walks alone does without.
 bool is_of_bundles_alone(const std::string& file) { return file == "bundle.frag.glsl" || file == "bundle_space.glsl"; }
 
+enum class Interruption { none, slices, loops };
+
 struct Program {
   MutationScene scene;
   BakeOptions options;
   Traversal traversal = Traversal::tree;
   int bundle = 1;
-  bool rare = false;    ///< rays that go on in the thorough program
-  bool alike = false;   ///< each ray fills a bundle of its own, which walks as the ray does alone
-  bool sliced = false;  ///< the walk takes many passes
+  bool rare = false;   ///< rays that go on in the thorough program
+  bool alike = false;  ///< each ray fills a bundle of its own, which walks as the ray does alone
+  Interruption interruption = Interruption::none;  ///< with one the walk takes many passes
 };
+
+std::vector<ShaderPatch> patches_of(const GeometryImage& image, Interruption interruption) {
+  switch (interruption) {
+    case Interruption::slices:
+      return slices_of(image);
+    case Interruption::loops:
+      return loops_that_end(image, 24);
+    case Interruption::none:
+      break;
+  }
+  return {};
+}
 
 std::string name_of(const Program& p) {
   std::string name = std::string(name_of(p.scene)) + "." + name_of(p.options.layout) + "_" + name_of(p.options.bounds) +
                      "_" + name_of(p.options.links);
   if (p.scene == MutationScene::nested || p.scene == MutationScene::spheres_placed ||
       p.scene == MutationScene::doubles || p.scene == MutationScene::scales || p.scene == MutationScene::giant ||
-      p.scene == MutationScene::apart)
+      p.scene == MutationScene::apart || p.scene == MutationScene::pairs)
     name += std::string("_") + name_of(p.options.transform_out);
   if (p.traversal == Traversal::brute_force) name += ".brute_force";
   if (p.bundle > 1) name += ".bundles_of_" + std::to_string(p.bundle);
   if (p.alike) name += ".alike";
-  if (p.sliced) name += ".sliced";
+  if (p.interruption != Interruption::none) name += p.interruption == Interruption::slices ? ".sliced" : ".loops_end";
   return name + (p.rare ? ".rare" : "");
 }
 
@@ -90,7 +104,7 @@ std::vector<ActiveLines> lines_of(const GeometryImage& image, const Program& p) 
     then.finish = false;
   }
   then.thorough = true;
-  if (p.rare || p.sliced) all.push_back(active_lines(probe_fragment_shader(then)));
+  if (p.rare || p.interruption != Interruption::none) all.push_back(active_lines(probe_fragment_shader(then)));
   return all;
 }
 
@@ -125,16 +139,18 @@ MutationOracle oracle_of(GlContext& context, const Program& p) {
     Probe(context, *image).trace(rays.rays, *alone);
   }
   std::vector<ModelWalk> model;
-  if (p.traversal == Traversal::tree && !p.rare && (p.bundle == 1 || p.alike))
+  // A walk that has ended, but not the loops behind it, looks at its last texel once more.
+  const bool is_counted = p.interruption != Interruption::loops && !p.rare && (p.bundle == 1 || p.alike);
+  if (p.traversal == Traversal::tree && is_counted)
     for (const Ray& ray : rays.rays)
       model.push_back(is_defined(ray) ? model_walk(*image, ray) : ModelWalk{0, 0, 0, false});
   std::vector<Ray> clear;  // rays that end in the first pass, whoever walks with them
   for (std::size_t i = 0; i < model.size() && !drifts; ++i)
     if (model[i].is_clear && i < rays.odd_from) clear.push_back(rays.rays[i]);
   oracle.ask = [&context, &stage, &rays, image, p, drifts, alone, passed, model, clear](const Mutant& mutant) {
-    const AddedPatches added(context, p.sliced ? slices_of(*image) : std::vector<ShaderPatch>{});
+    const AddedPatches added(context, patches_of(*image, p.interruption));
     Probe probe = p.bundle > 1 ? Probe(context, *image, BundleSize{p.bundle}) : Probe(context, *image, p.traversal);
-    if (!clear.empty() && !p.sliced) {
+    if (!clear.empty() && p.interruption == Interruption::none) {
       std::vector<Hit> ended(clear.size());
       probe.trace(clear, ended);
       if (probe.resumed_passes() > 0) return std::string("rays need another pass, though no triangle is seen edge-on");
@@ -151,7 +167,7 @@ MutationOracle oracle_of(GlContext& context, const Program& p) {
       const std::vector<Hit>& known = p.options.layout == Layout::compact ? rays.brute_paper : rays.brute_compact;
       if (const std::string what = first_difference(rays, hits, known); !what.empty()) return what;
     }
-    if (p.scene == MutationScene::doubles || p.scene == MutationScene::twins)
+    if (p.scene == MutationScene::doubles || p.scene == MutationScene::twins || p.scene == MutationScene::pairs)
       if (const std::string what = first_wrong_tie(stage.stage.scene, rays.rays, hits); !what.empty()) return what;
     return first_failure(stage.stage.judge_of(p.options.transform_out), rays, hits, *passed);
   };
@@ -199,6 +215,7 @@ std::vector<MutationOracle> walk_oracles(GlContext& context) {
                     paper = with(Layout::paper, Bounds::sphere, Links::octant),
                     paper_boxes = with(Layout::paper, Bounds::aabb, Links::threaded),
                     drift = with(Layout::compact, Bounds::sphere, Links::octant, TransformOut::inverse),
+                    boxes_drift = with(Layout::compact, Bounds::aabb, Links::octant, TransformOut::inverse),
                     paper_drift = with(Layout::paper, Bounds::aabb, Links::octant, TransformOut::inverse);
   const Traversal tree = Traversal::tree;
   std::vector<Program> programs{
@@ -210,10 +227,15 @@ std::vector<MutationOracle> walk_oracles(GlContext& context) {
       {S::mixed, compact, tree, 1, true},
       {S::triangles, paper_boxes, tree, 1, true},
       {S::slats, compact, tree, 1, true},
-      {S::mixed, compact, tree, 1, false, false, true},
-      {S::mixed, paper, tree, 1, false, false, true},
-      {S::nested, compact, tree, 1, false, false, true},
-      {S::nested, paper, tree, 1, false, false, true},
+      {S::mixed, compact, tree, 1, false, false, Interruption::slices},
+      {S::mixed, paper, tree, 1, false, false, Interruption::slices},
+      {S::nested, compact, tree, 1, false, false, Interruption::slices},
+      {S::nested, paper, tree, 1, false, false, Interruption::slices},
+      {S::nested, compact, tree, 1, false, false, Interruption::loops},
+      {S::nested, paper, tree, 1, true, false, Interruption::loops},
+      {S::nested, compact, tree, 2, false, false, Interruption::loops},
+      {S::nested, compact, tree, 4, true, false, Interruption::loops},
+      {S::scales, compact, tree, 1, true, false, Interruption::loops},
       {S::slats, paper, tree, 1, true},
       {S::speck, compact, tree, 1, true},
       {S::giant, compact, tree, 1, true},
@@ -221,6 +243,8 @@ std::vector<MutationOracle> walk_oracles(GlContext& context) {
       {S::apart, compact, tree, 1, true},
       {S::apart, drift, tree, 1, true},
       {S::apart, boxes, tree, 1, true},
+      {S::pairs, compact},
+      {S::pairs, paper_boxes, tree, 1, true},
       {S::twins, compact},
       {S::doubles, compact},
       {S::nested, compact},
@@ -240,6 +264,8 @@ std::vector<MutationOracle> walk_oracles(GlContext& context) {
       {S::spheres, compact, tree, 2, true},
       {S::mixed, boxes, tree, 2},
       {S::nested, boxes, tree, 2},
+      {S::nested, drift, tree, 2},
+      {S::nested, boxes_drift, tree, 3},
       {S::mixed, compact, tree, 3, true},
       {S::spheres, paper, tree, 4, true},
       {S::nested, compact, tree, 2, true},

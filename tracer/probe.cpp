@@ -325,9 +325,10 @@ struct Probe::Impl {
     }
   }
 
-  /// Whether a pixel of the last pass has written the state that it was given. A walk that stays where it is visits its
-  /// node again in every pass, so steps tell nothing.
+  /// Whether a pixel of the last pass has written the state that it was given: not a result that reads the same. A walk
+  /// that stays where it is visits its node again in every pass, so steps tell nothing.
   bool is_unchanged(std::size_t pixel) const {
+    if ((results[0][pixel].x & 7u) != kWordUnfinished) return false;
     const auto count = static_cast<std::size_t>(target_count);
     for (std::size_t i = 0; i < count; ++i) {
       PassWords before = state_texels[pixel * count + i], now = results[i][pixel];

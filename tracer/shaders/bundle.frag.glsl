@@ -112,7 +112,7 @@ void main() {
     if (is_walking) {
       walk_tree();
       change_space();
-      is_walking = !walk.ended && walk.steps < pass_walk.w;
+      is_walking = !walk.ended && !walk.stalled && walk.steps < pass_walk.w;
     }
   }
 #else

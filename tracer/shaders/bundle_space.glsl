@@ -4,9 +4,11 @@
 // nowhere else.
 
 // Of the first ray, whether it rests or not: the copy that the bundle walks in a space must be known again on the way out.
+// Where the driver has ended a loop it is not: then the bundle walks no further, and each of its rays alone.
 int octant_of_bundle(int space) {
   TAKE_RAY(0)
   derive_ray(space);
+  walk.stalled = walk.stalled || ray.cut;
   return octant_of(ray.d);
 }
 

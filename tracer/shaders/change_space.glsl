@@ -80,6 +80,7 @@ void change_space() {
   bool enters = node >= 0;
   bool leaves = node == REQUEST_LEAVE;
   walk.request = REQUEST_NONE;
+  Walk before = walk;
   if (enters) {
     bool is_late = !enter(node);
     walk.stalled = is_late;
@@ -97,7 +98,9 @@ void change_space() {
     node = walk.space;
     int outer = int(record_texel(node, 3).w) - 1;
     leave(node, outer);
-    go_on_outside(node, outer, derived_octant);
+    // Without the ray there is no telling which copy to go on in: another pass comes here again.
+    if (ray.cut) walk = before;
+    if (!ray.cut) go_on_outside(node, outer, derived_octant);
     walk.stalled = ray.cut;
 #ifdef CAPTURE
     captured.octant = derived_octant & pass_walk.y;
