@@ -166,26 +166,53 @@ Scene apart() {
   return scene;
 }
 
-/// Pairs of instances that are small beside the way to them: there t is much coarser than what stands in them.
+/// Pairs of instances that are small beside the way to them: there t is much coarser than what stands in them. The
+/// second one of each has something more, on either side, so that half of the walks come to it first.
 Scene pairs() {
   Scene scene;
   scene.materials.resize(1);
   Random random(kSeed, name_hash("pairs"), 0);
+  std::vector<std::array<glm::vec3, 3>> triangles;
+  std::vector<Sphere> spheres;
   for (int i = 0; i < 6; ++i) {
     const glm::vec3 at = cube_point(random);
-    add_triangle(scene, at + 0.7f * cube_point(random), at + 0.7f * cube_point(random), at + 0.7f * cube_point(random));
+    triangles.push_back(
+        {at + 0.7f * cube_point(random), at + 0.7f * cube_point(random), at + 0.7f * cube_point(random)});
   }
-  for (int i = 0; i < 8; ++i) scene.spheres.push_back({cube_point(random), 0.3f, 0});
+  for (int i = 0; i < 8; ++i) spheres.push_back({cube_point(random), 0.3f, 0});
   scene.spheres.push_back({{0.0f, 0.0f, -2.0f}, 0.5f, 0});
-  scene.parts.push_back({"piece", 0, 6, 0, 8});
-  for (int i = 0; i < 12; ++i) {
+  for (const float aside : {0.0f, 3.0f, -3.0f}) {
+    Part part{"piece", static_cast<std::uint32_t>(scene.triangles.size()), 0,
+              static_cast<std::uint32_t>(scene.spheres.size()), 0};
+    for (const auto& [a, b, c] : triangles) add_triangle(scene, a, b, c);
+    scene.spheres.insert(scene.spheres.end(), spheres.begin(), spheres.end());
+    if (aside != 0.0f) scene.spheres.push_back({glm::vec3(aside), 0.1f, 0});
+    part.triangle_count = static_cast<std::uint32_t>(scene.triangles.size()) - part.first_triangle;
+    part.sphere_count = static_cast<std::uint32_t>(scene.spheres.size()) - part.first_sphere;
+    scene.parts.push_back(part);
+  }
+  for (std::uint32_t i = 0; i < 12; ++i) {
     Transform t;
     t.linear = 0x1p-15f * glm::mat3(0.6f, 0.8f, 0.0f, -0.8f, 0.6f, 0.0f, 0.0f, 0.1f, 1.1f);
     t.translation = cube_point(random);
-    for (int twice = 0; twice < 2; ++twice) scene.nodes.push_back({"piece", kNone, 0, t, t});
+    scene.nodes.push_back({"piece", kNone, 0, t, t});
+    scene.nodes.push_back({"more", kNone, 1 + i % 2, t, t});
   }
   frame_camera(scene);
   return scene;
+}
+
+/// Rays towards the pieces from as far as the world is large.
+std::vector<Ray> rays_of_pairs(const Scene& scene) {
+  std::vector<Ray> rays;
+  for (std::uint64_t i = 0; i < 768; ++i) {
+    Random random(kSeed, name_hash("rays of pairs"), i);
+    const Transform& t = scene.nodes[i % scene.nodes.size()].transform;
+    const glm::vec3 target = t.translation + t.linear * cube_point(random);
+    const glm::vec3 origin = target + 2.0f * glm::vec3(random.direction());
+    rays.push_back({origin, target - origin});
+  }
+  return rays;
 }
 
 Scene made(MutationScene scene) {
@@ -360,8 +387,9 @@ const MutationStage& mutation_stage(GlContext& context, MutationScene scene) {
   const Stage& stage = made_stage->stage;
   std::vector<Ray> plain, rare;
   Probe probe(context, stage.image);
-  const std::vector<Ray> rays =
-      scene == MutationScene::slats ? rays_of_slats() : mixed_rays(stage.rays, kSeed, kRaysOfFamily);
+  const std::vector<Ray> rays = scene == MutationScene::slats   ? rays_of_slats()
+                                : scene == MutationScene::pairs ? rays_of_pairs(stage.scene)
+                                                                : mixed_rays(stage.rays, kSeed, kRaysOfFamily);
   sort_out(probe, rays, plain, rare);
   made_stage->plain.odd_from = plain.size();
   sort_out(probe, odd_rays(stage.rays.ball), plain, rare);

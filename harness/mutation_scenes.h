@@ -25,7 +25,7 @@ enum class MutationScene {
   speck,           ///< `mixed`, 2^-70 times as large
   giant,           ///< `nested`, 2^60 times as large, and off the origin
   apart,           ///< instances 2^-20, 1 and 2^20 times as large, in one another too
-  pairs,           ///< instances 2^-15 as large as the world is, two at each place
+  pairs,           ///< instances 2^-15 as large as the world is, two at each place, and rays towards them
 };
 const char* name_of(MutationScene scene);
 

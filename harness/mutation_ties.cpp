@@ -54,9 +54,12 @@ Scene grids(bool has_nodes) {
   return scene;
 }
 
+constexpr float kAnyT = -1.0f;
+
 struct Known {
   std::uint32_t primitive = kNone;  ///< kNone: a miss
   std::uint32_t instance = kNone;
+  float t = kAnyT;
 };
 
 /// What a ray along z through (x, y) meets first, by SEMANTICS 5: the world before instances, and then by number.
@@ -103,11 +106,11 @@ MutationOracle of_known(GlContext& context, std::string name, const Scene& scene
       if (is_hit && hit.kind == HitKind::hit && !(std::abs(length - 1.0f) < 1e-3f))
         return "ray " + std::to_string(i) + " has a normal " + std::to_string(length) + " long";
       if (hit.kind == (is_hit ? HitKind::hit : HitKind::miss) && hit.primitive == known[i].primitive &&
-          hit.instance == known[i].instance)
+          hit.instance == known[i].instance && (known[i].t == kAnyT || hit.t == known[i].t))
         continue;
       return "ray " + std::to_string(i) + " names " + std::to_string(hit.primitive) + " of instance " +
-             std::to_string(hit.instance) + ", and first comes " + std::to_string(known[i].primitive) +
-             " of instance " + std::to_string(known[i].instance);
+             std::to_string(hit.instance) + " at " + std::to_string(hit.t) + ", and first comes " +
+             std::to_string(known[i].primitive) + " of instance " + std::to_string(known[i].instance);
     }
     return {};
   };
@@ -212,8 +215,8 @@ MutationOracle beside_edge(GlContext& context, const char* name, float size, flo
   return of_known(context, name, scene, {}, rays, known);
 }
 
-/// An instance so small and sheared that normals come out of it nearly as long as floats reach. Rays along x pass
-/// through its very middle.
+/// An instance so small and sheared that normals come out of it nearly as long as floats reach. Rays along a diagonal
+/// pass through its very middle.
 MutationOracle smallest_instance(GlContext& context) {
   Scene scene;
   scene.materials.resize(1);
@@ -223,22 +226,63 @@ MutationOracle smallest_instance(GlContext& context) {
   t.linear = 0x1p-126f * glm::mat3(1.0f, 1.0f, 0.0f, 1.0f, 1.5f, 0.0f, 0.0f, 0.0f, 1.0f);
   scene.nodes.push_back({"smallest", kNone, 0, t, t});
   frame_camera(scene);
-  const std::vector<Ray> rays{{{-0.5f, 0.0f, 0.0f}, {1.0f, 0.0f, 0.0f}}, {{0.5f, 0.0f, 0.0f}, {-1.0f, 0.0f, 0.0f}}};
-  return of_known(context, "smallest_instance", scene, {}, rays, {{1, 0}, {1, 0}});
+  // To them it is a ball of radius 1 some 2^125 away, along an axis.
+  const std::vector<Ray> rays{{{-0.5f, -0.5f, 0.0f}, {1.0f, 1.0f, 0.0f}},
+                              {{0.5f, 0.5f, 0.0f}, {-1.0f, -1.0f, 0.0f}},
+                              {{-0.5f, 0.0f, 0.0f}, {1.0f, 0.0f, 0.0f}}};
+  return of_known(context, "smallest_instance", scene, {}, rays, {{1, 0, 0.5f}, {1, 0, 0.5f}, {1, 0, 0.5f}});
 }
 
-/// A triangle of denormal numbers in a plane of one z: whatever is hit there has that z, to the last bit.
-MutationOracle faint(GlContext& context) {
-  static constexpr float kSize = 0x1p-130f, kZ = 0x3p-135f;
+/// Broken records that take rays where there are no numbers for them, to no direction or to an infinite one: such a ray
+/// turns back at the door, and visits the two nodes of the world.
+MutationOracle no_numbers(GlContext& context) {
   Scene scene;
   scene.materials.resize(1);
-  scene.positions = {{-kSize, -kSize, kZ}, {kSize, -kSize, kZ}, {0.0f, kSize, kZ}};
+  scene.spheres = {{{0.0f, 0.0f, 0.0f}, 1.0f, 0}};
+  scene.parts.push_back({"ball", 0, 0, 0, 1});
+  scene.nodes.push_back({"broken", kNone, 0, {}, {}});
+  frame_camera(scene);
+  const GeometryImage sound = bake(scene);
+  auto images = std::make_shared<std::vector<GeometryImage>>(2, sound);
+  for (std::uint32_t row = 0; row < 3; ++row)
+    for (int a = 0; a < 3; ++a) {
+      (*images)[0].texels[transform_texel(sound, 0, row)][a] = 0.0f;
+      (*images)[1].texels[transform_texel(sound, 0, row)][a] = 0x1.8p127f;
+    }
+  const std::vector<Ray> rays{{{0.0f, 0.0f, 0.0f}, {1.0f, 1.0f, 0.5f}}, {{0.0f, 0.0f, 0.0f}, {1.0f, -0.25f, 1.0f}}};
+  MutationOracle oracle;
+  oracle.name = "no_numbers";
+  oracle.programs = lines_of(sound, 1);
+  oracle.ask = [&context, images, rays](const Mutant&) -> std::string {
+    for (const GeometryImage& image : *images) {
+      std::vector<Hit> hits(rays.size());
+      Probe(context, image).trace(rays, hits);
+      for (const Hit& hit : hits)
+        if (hit.kind != HitKind::miss || hit.steps != 2 || hit.transforms != 1)
+          return "a ray visits " + std::to_string(hit.steps) + " nodes and enters " + std::to_string(hit.transforms) +
+                 " spaces, where there are no numbers";
+    }
+    return {};
+  };
+  return oracle;
+}
+
+/// A triangle of denormal numbers across rays along z: they are so coarse that where it is hit is known to the last
+/// bit.
+MutationOracle faint(GlContext& context) {
+  static constexpr float kSize = 0x1p-130f, kZ = 0x1.5555p-132f;
+  Scene scene;
+  scene.materials.resize(1);
+  scene.positions = {{-kSize, -kSize, kZ}, {0.9f * kSize, -0.8f * kSize, kZ}, {0.1f * kSize, kSize, kZ}};
   scene.triangles.emplace_back().position = {0, 1, 2};
   frame_camera(scene);
   auto image = std::make_shared<const GeometryImage>(bake(scene));
   std::vector<Ray> rays;
-  for (int i = 0; i < 64; ++i)
-    rays.push_back({{0x1p-137f * static_cast<float>(i - 32), -0.5f * kSize, 2.0f * kSize}, {0.0f, 0.0f, -1.0f}});
+  for (std::uint64_t i = 0; i < 1024; ++i) {
+    Random random(kSeed, 3, i);
+    const double x = random.uniform(-0.1, 0.1), y = random.uniform(-0.5, 0.0);
+    rays.push_back({{kSize * static_cast<float>(x), kSize * static_cast<float>(y), 2.0f * kSize}, {0.0f, 0.0f, -1.0f}});
+  }
   MutationOracle oracle;
   oracle.name = "faint";
   oracle.programs = lines_of(*image, 1);
@@ -246,9 +290,8 @@ MutationOracle faint(GlContext& context) {
     std::vector<Hit> hits(rays.size());
     Probe(context, *image).trace(rays, hits);
     for (std::size_t i = 0; i < rays.size(); ++i)
-      if (hits[i].kind != HitKind::hit ||
-          std::bit_cast<std::uint32_t>(hits[i].position.z) != std::bit_cast<std::uint32_t>(kZ))
-        return "ray " + std::to_string(i) + " does not end in the plane of all that there is";
+      if (hits[i].kind != HitKind::hit || hits[i].position != glm::vec3(rays[i].origin.x, rays[i].origin.y, kZ))
+        return "ray " + std::to_string(i) + " does not end where it is in the plane of the triangle";
     return {};
   };
   return oracle;
@@ -332,7 +375,7 @@ MutationOracle endless(GlContext& context, bool has_nodes, Layout layout) {
 
 std::vector<MutationOracle> tie_oracles(GlContext& context) {
   std::vector<MutationOracle> oracles{second_node(context), deepest(context), smallest_instance(context),
-                                      faint(context)};
+                                      no_numbers(context), faint(context)};
   // Beside the edge of a scene as small as is walked as it is, and of one as far from the origin as its numbers allow.
   oracles.push_back(beside_edge(context, "beside_edge.small", 0x1.8p-20f, 0.0f, 0x1.8p-42f));
   oracles.push_back(beside_edge(context, "beside_edge.far", 1.0f, 0x1p18f, 0x1p-44f));

@@ -32,9 +32,6 @@ bool is_of_walk_alone(const std::string& file) {
   return kFiles.contains(file);
 }
 
-/// Files that a ray that walks alone does without.
-bool is_of_bundles_alone(const std::string& file) { return file == "bundle.frag.glsl" || file == "bundle_space.glsl"; }
-
 enum class Interruption { none, slices, loops };
 
 struct Program {
@@ -133,6 +130,10 @@ MutationOracle oracle_of(GlContext& context, const Program& p) {
   oracle.programs = lines_of(*image, p);
   const MutationRays& rays = p.rare ? stage.rare : stage.plain;
   const bool drifts = p.options.transform_out == TransformOut::inverse;
+  Program single = p;
+  single.bundle = 1, single.rare = true;
+  MutationOracle walks_alone;  // what a ray that walks alone runs
+  walks_alone.programs = lines_of(*image, single);
   auto alone = std::make_shared<std::vector<Hit>>(), passed = std::make_shared<std::vector<Hit>>();
   if (p.bundle > 1 && drifts) {
     alone->resize(rays.rays.size());
@@ -147,7 +148,8 @@ MutationOracle oracle_of(GlContext& context, const Program& p) {
   std::vector<Ray> clear;  // rays that end in the first pass, whoever walks with them
   for (std::size_t i = 0; i < model.size() && !drifts; ++i)
     if (model[i].is_clear && i < rays.odd_from) clear.push_back(rays.rays[i]);
-  oracle.ask = [&context, &stage, &rays, image, p, drifts, alone, passed, model, clear](const Mutant& mutant) {
+  oracle.ask = [&context, &stage, &rays, image, p, drifts, walks_alone, alone, passed, model,
+                clear](const Mutant& mutant) {
     const AddedPatches added(context, patches_of(*image, p.interruption));
     Probe probe = p.bundle > 1 ? Probe(context, *image, BundleSize{p.bundle}) : Probe(context, *image, p.traversal);
     if (!clear.empty() && p.interruption == Interruption::none) {
@@ -160,7 +162,7 @@ MutationOracle oracle_of(GlContext& context, const Program& p) {
       if (const std::string what = first_detour(model, hits, p.bundle == 1); !what.empty()) return what;
     if (drifts && p.bundle > 1) {
       // Bundles do not count what bounds of rays that drift hang on.
-      if (is_of_bundles_alone(mutant.file))
+      if (!walks_alone.sees(mutant))
         if (const std::string what = first_difference(rays, hits, *alone); !what.empty()) return what;
       for (std::size_t i = 0; i < hits.size(); ++i) hits[i].transforms = (*alone)[i].transforms;
     } else if (is_of_walk_alone(mutant.file) && !drifts) {
@@ -170,6 +172,44 @@ MutationOracle oracle_of(GlContext& context, const Program& p) {
     if (p.scene == MutationScene::doubles || p.scene == MutationScene::twins || p.scene == MutationScene::pairs)
       if (const std::string what = first_wrong_tie(stage.stage.scene, rays.rays, hits); !what.empty()) return what;
     return first_failure(stage.stage.judge_of(p.options.transform_out), rays, hits, *passed);
+  };
+  return oracle;
+}
+
+/// Pairs of rays that all but go the same way, but walk other copies of the tree: rays that drift answer by the order
+/// in which they come to instances, so that each must walk its own, together or alone.
+MutationOracle neighbours(GlContext& context) {
+  const MutationStage& stage = mutation_stage(context, MutationScene::spheres_placed);
+  BakeOptions options;
+  options.transform_out = TransformOut::inverse;
+  auto image = std::make_shared<const GeometryImage>(bake(stage.stage.scene, options));
+  std::vector<Ray> rays;
+  for (const Ray& ray : stage.plain.rays) {
+    if (!is_defined(ray)) continue;
+    const glm::vec3 size = glm::abs(ray.direction);
+    const int least = size.x < size.y ? (size.x < size.z ? 0 : 2) : (size.y < size.z ? 1 : 2);
+    for (const float sign : {1.0f, -1.0f}) {
+      rays.push_back(ray);
+      rays.back().direction[least] = sign * 0x1p-12f * std::max({size.x, size.y, size.z});
+    }
+  }
+  auto alone = std::make_shared<std::vector<Hit>>(rays.size());
+  Probe(context, *image).trace(rays, *alone);
+  MutationOracle oracle;
+  oracle.name = "neighbours.spheres_placed";
+  oracle.programs = lines_of(*image, {MutationScene::spheres_placed, options, Traversal::tree, 2, true});
+  Program single{MutationScene::spheres_placed, options};
+  single.rare = true;
+  MutationOracle walks_alone;
+  walks_alone.programs = lines_of(*image, single);
+  oracle.ask = [&context, image, rays, alone, walks_alone](const Mutant& mutant) -> std::string {
+    if (walks_alone.sees(mutant)) return {};
+    Probe probe(context, *image, BundleSize{2});
+    const std::vector<Hit> hits = traced(probe, rays);
+    for (std::size_t i = 0; i < rays.size(); ++i)
+      if (!same_bits(hits[i], (*alone)[i]))
+        return "ray " + std::to_string(i) + " " + describe(hits[i]) + ", alone " + describe((*alone)[i]);
+    return {};
   };
   return oracle;
 }
@@ -276,6 +316,7 @@ std::vector<MutationOracle> walk_oracles(GlContext& context) {
   };
   std::vector<MutationOracle> oracles;
   for (const Program& p : programs) oracles.push_back(oracle_of(context, p));
+  oracles.push_back(neighbours(context));
   oracles.push_back(visits(context, S::slats, compact, false));
   oracles.push_back(visits(context, S::slats, paper, false));
   oracles.push_back(visits(context, S::apart, compact, true));
