@@ -176,44 +176,6 @@ MutationOracle oracle_of(GlContext& context, const Program& p) {
   return oracle;
 }
 
-/// Pairs of rays that all but go the same way, but walk other copies of the tree: rays that drift answer by the order
-/// in which they come to instances, so that each must walk its own, together or alone.
-MutationOracle neighbours(GlContext& context) {
-  const MutationStage& stage = mutation_stage(context, MutationScene::spheres_placed);
-  BakeOptions options;
-  options.transform_out = TransformOut::inverse;
-  auto image = std::make_shared<const GeometryImage>(bake(stage.stage.scene, options));
-  std::vector<Ray> rays;
-  for (const Ray& ray : stage.plain.rays) {
-    if (!is_defined(ray)) continue;
-    const glm::vec3 size = glm::abs(ray.direction);
-    const int least = size.x < size.y ? (size.x < size.z ? 0 : 2) : (size.y < size.z ? 1 : 2);
-    for (const float sign : {1.0f, -1.0f}) {
-      rays.push_back(ray);
-      rays.back().direction[least] = sign * 0x1p-12f * std::max({size.x, size.y, size.z});
-    }
-  }
-  auto alone = std::make_shared<std::vector<Hit>>(rays.size());
-  Probe(context, *image).trace(rays, *alone);
-  MutationOracle oracle;
-  oracle.name = "neighbours.spheres_placed";
-  oracle.programs = lines_of(*image, {MutationScene::spheres_placed, options, Traversal::tree, 2, true});
-  Program single{MutationScene::spheres_placed, options};
-  single.rare = true;
-  MutationOracle walks_alone;
-  walks_alone.programs = lines_of(*image, single);
-  oracle.ask = [&context, image, rays, alone, walks_alone](const Mutant& mutant) -> std::string {
-    if (walks_alone.sees(mutant)) return {};
-    Probe probe(context, *image, BundleSize{2});
-    const std::vector<Hit> hits = traced(probe, rays);
-    for (std::size_t i = 0; i < rays.size(); ++i)
-      if (!same_bits(hits[i], (*alone)[i]))
-        return "ray " + std::to_string(i) + " " + describe(hits[i]) + ", alone " + describe((*alone)[i]);
-    return {};
-  };
-  return oracle;
-}
-
 /// Of rays that wait for triangles seen edge-on, too: steps are visits of nodes, as counters at the nodes tell. These
 /// count the leaf of an instance twice where another pass has to enter it.
 MutationOracle visits(GlContext& context, MutationScene scene, const BakeOptions& options, bool waits_at_instances) {
@@ -316,7 +278,6 @@ std::vector<MutationOracle> walk_oracles(GlContext& context) {
   };
   std::vector<MutationOracle> oracles;
   for (const Program& p : programs) oracles.push_back(oracle_of(context, p));
-  oracles.push_back(neighbours(context));
   oracles.push_back(visits(context, S::slats, compact, false));
   oracles.push_back(visits(context, S::slats, paper, false));
   oracles.push_back(visits(context, S::apart, compact, true));
