@@ -19,7 +19,7 @@ namespace {
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
 
 /// Triangles before those of the edges, so that texels fill more than a row where they stand in rows.
-constexpr std::uint32_t kFirst = 600, kEdgeTriangles = 9;
+constexpr std::uint32_t kFirst = 600, kEdgeTriangles = 10;
 static_assert(kShadingTriangleTexels * kFirst > kShadingWidth);
 
 /// What the passes write of one item.
@@ -64,9 +64,10 @@ bool is_refracted_downwards(const glm::dvec3& told) {
 }
 
 /// Triangles in the plane z = 0, seen from above: plain; with normals in that plane; shining, with such normals; glass;
-/// air; thinner than air, with tilted normals; bumped, where u hardly grows; painted; with normals that cancel. Before
-/// them others, which nobody hits. A light at (0, 0, 4). The round ground, of radius 1, stands at z = -8.
-Scene plane(bool has_ground) {
+/// air; thinner than air, with tilted normals; bumped, where u hardly grows; painted; with normals that cancel; bumped,
+/// with normals in that plane. Before them others, which nobody hits. A light at (0, 0, 4). The round ground, of radius
+/// 1, stands at z = -8.
+Scene plane(float ground_radius, float ground_x) {
   Scene scene;
   scene.name = "edges";
   scene.materials.resize(7);
@@ -87,7 +88,7 @@ Scene plane(bool has_ground) {
   scene.normals = {{1.0f, 0.0f, 0.0f}, kTilted, {-1.0f, 0.0f, 0.0f}};
   scene.triangles.resize(kFirst);
   for (Triangle& t : scene.triangles) t.position = {0, 1, 2};
-  for (const std::uint32_t material : {0u, 0u, 1u, 2u, 3u, 4u, 5u, 6u, 0u}) {
+  for (const std::uint32_t material : {0u, 0u, 1u, 2u, 3u, 4u, 5u, 6u, 0u, 5u}) {
     Triangle& t = scene.triangles.emplace_back();
     t.position = {0, 1, 2};
     t.material = material;
@@ -97,13 +98,14 @@ Scene plane(bool has_ground) {
     if (material == 5) t.texcoord = {0, 1, 2};
     if (material == 6) t.texcoord = {0, 3, 2};
     if (scene.triangles.size() == kFirst + 9) t.normal = {0, 0, 2};
+    if (scene.triangles.size() == kFirst + 10) t.normal = {0, 0, 0}, t.texcoord = {0, 3, 2};
   }
   scene.lights = {{{0.0f, 0.0f, 4.0f}, glm::vec3(1.0f), true, 0.0f}};
   scene.background = glm::vec3(0.25f);
   scene.ground.normal = {0.0f, 0.0f, 1.0f};
   scene.ground.u_axis = {1.0f, 0.0f, 0.0f}, scene.ground.v_axis = {0.0f, 1.0f, 0.0f};
-  scene.ground.center = {0.0f, 0.0f, -8.0f};
-  scene.ground.radius = has_ground ? 1.0f : 0.0f;
+  scene.ground.center = {ground_x, 0.0f, -8.0f};
+  scene.ground.radius = ground_radius;
   return scene;
 }
 
@@ -127,6 +129,7 @@ std::vector<Edge> edges() {
       hit("6.6: a shadow ray ends at the light", down, 0, {0.0f, 0.0f, 0.0f},
           [](const Written& w) { return is_asked(w) && w.light[0].w == 1.0f; }),
       hit("6.4: n stays where no float holds A of the bump map", down, 6, {0.0f, 0.0f, 0.0f}, is_asked),
+      hit("6.4: n stays where it lies in the plane of Pu and Pv", down, 9, {-3.0f, 0.0f, 0.0f}, is_asked),
       hit("6.4: C is the texture's", down, 7, {0.0f, 0.0f, 0.0f},
           [](const Written& w) { return glm::vec3(w.light[2]) == glm::vec3(0.75f, 0.375f, 0.1875f); }),
       hit("6.4: n is N where the normals cancel", down, 8, {0.0f, 0.0f, 0.0f}, is_asked),
@@ -192,6 +195,14 @@ std::vector<Edge> edges() {
 std::vector<Edge> edges_without_ground() {
   return {none("6.8: a radius of 0 is no ground", {{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -1.0f}, kInfinite},
                [](const Written& w) { return !on_ground(w) && is_added(w); })};
+}
+
+std::vector<Edge> edges_far_aside() {
+  return {none("6.5: how far along the ground a hit is, is no matter",
+               {{64.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -1.0f}, kInfinite}, [](const Written& w) {
+                 const float above = w.light[0].z + 8.0f, delta = 0x1p-17f * 8.0f;
+                 return on_ground(w) && above > 0.9f * delta && above < 1.1f * delta;
+               })};
 }
 
 constexpr std::array<RenderPass, 4> kPasses{RenderPass::light, RenderPass::scatter, RenderPass::channels,
@@ -302,17 +313,19 @@ std::vector<MutationOracle> edge_oracles(GlContext& context) {
   std::vector<MutationOracle> oracles;
   struct Asked {
     const char* name;
-    bool has_ground;
-    GlslDialect dialect;
+    float ground_radius, ground_x;
+    std::vector<Edge> edges;
+    GlslDialect dialect = GlslDialect::glsl_330;
   };
   for (const Asked& asked :
-       {Asked{"edges.shading", true, GlslDialect::glsl_330}, Asked{"edges.no_ground", false, GlslDialect::glsl_330},
-        Asked{"edges.es", true, GlslDialect::es_300}}) {
+       {Asked{"edges.shading", 1.0f, 0.0f, edges()}, Asked{"edges.no_ground", 0.0f, 0.0f, edges_without_ground()},
+        Asked{"edges.far_aside", 1.0f, 64.0f, edges_far_aside()},
+        Asked{"edges.es", 1.0f, 0.0f, edges(), GlslDialect::es_300}}) {
     MutationOracle& oracle = oracles.emplace_back();
     oracle.name = asked.name;
     for (const RenderPass pass : kPasses) oracle.programs.push_back(active_lines(shader_of(pass, asked.dialect)));
-    oracle.ask = [&context, dialect = asked.dialect, scene = plane(asked.has_ground),
-                  all = asked.has_ground ? edges() : edges_without_ground()](const Mutant&) -> std::string {
+    oracle.ask = [&context, dialect = asked.dialect, scene = plane(asked.ground_radius, asked.ground_x),
+                  all = asked.edges](const Mutant&) -> std::string {
       const std::vector<Written> written = drawn(context, scene, all, dialect);
       for (std::size_t i = 0; i < all.size(); ++i)
         if (!all[i].holds(written[i])) return std::string("not so: ") + all[i].what;

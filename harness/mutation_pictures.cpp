@@ -238,7 +238,8 @@ std::vector<MutationOracle> picture_oracles(GlContext& context) {
   using M = Effects::Model;
   std::vector<MutationOracle> oracles;
   for (const Asked& asked : {Asked{R::furnished, E::all, M::paper}, Asked{R::papered, E::all, M::physical},
-                             Asked{R::balls, E::none, M::paper, Layout::paper}, Asked{R::papered, E::glossy, M::paper}})
+                             Asked{R::balls, E::none, M::paper, Layout::paper}, Asked{R::papered, E::glossy, M::paper},
+                             Asked{R::furnished, E::none, M::physical}})
     oracles.push_back(picture_oracle(context, asked));
   oracles.push_back(numbers_oracle(context, {R::furnished, E::all, M::paper}, kWidth, kHeight, 51));
   oracles.push_back(numbers_oracle(context, {R::balls, E::all, M::physical}, 3, kRenderRows + 1, 1));

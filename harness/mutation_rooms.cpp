@@ -125,6 +125,7 @@ void add_nodes(Scene& scene) {
   node("group", kNone, kNone, turned);
   node("inner", 2, 0, mirrored);
   Transform below;
+  below.linear = glm::mat3(0.6f, 0.0f, -0.8f, 0.3f, 2.0f, 0.3f, 0.8f, 0.0f, 0.6f);  // most along y
   below.translation = {0.4f, -3.4f, 0.2f};
   node("below", kNone, 0, below);
 }

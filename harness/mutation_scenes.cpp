@@ -357,17 +357,19 @@ std::vector<ShaderPatch> slices_of(const GeometryImage& image, int steps) {
 
 std::vector<ShaderPatch> loops_that_end(const GeometryImage& image, int rounds) {
   PLUMBLINE_ASSERT(image.transform_count > 0);
-  const std::string breaks = "if (--rounds_left < 0) break;\n", comment = "    // A pixel that has left the loop must";
-  return {{"ray_prepare.glsl", "PRECISE WalkRay ray;\n",
-           "PRECISE WalkRay ray;\nint rounds_left = " + std::to_string(rounds) + ";\n"},
-          {"ray_prepare.glsl", "    shift_high = t_sum;\n", "    shift_high = t_sum;\n    " + breaks},
-          {"transform.glsl", "      enter_space(node);\n", "      " + breaks + "      enter_space(node);\n"},
-          // The inner loop's condition asks for `level`, which then is where `above` is.
-          {"transform.glsl", "    int above = depth;\n",
-           "    int above = depth;\n    bool is_over = --rounds_left < 0;\n#define level (is_over ? above : level)\n"},
-          {"transform.glsl", comment, "#undef level\n" + comment},
-          {"result.glsl", "      normal = times_transposed(back_0, back_1, back_2, normal);\n",
-           "      " + breaks + "      normal = times_transposed(back_0, back_1, back_2, normal);\n"}};
+  const std::string breaks = "if (--rounds_left < 0) break;\n", over = "if (rounds_left < 0) break;\n";
+  const std::string comment = "    // A pixel that has left the loop must";
+  return {
+      {"ray_prepare.glsl", "PRECISE WalkRay ray;\n",
+       "PRECISE WalkRay ray;\nint rounds_left = " + std::to_string(rounds) + ";\n"},
+      {"ray_prepare.glsl", "    shift_high = t_sum;\n", "    shift_high = t_sum;\n    " + over},
+      {"transform.glsl", "      enter_space(node);\n", "      " + breaks + "      enter_space(node);\n"},
+      // The inner loop's condition asks for `level`, which then lies beyond `above`.
+      {"transform.glsl", "    int above = depth;\n",
+       "    int above = depth;\n    bool is_over = --rounds_left < 0;\n#define level (is_over ? above + 1 : level)\n"},
+      {"transform.glsl", comment, "#undef level\n" + comment},
+      {"result.glsl", "      normal = times_transposed(back_0, back_1, back_2, normal);\n",
+       "      " + breaks + "      normal = times_transposed(back_0, back_1, back_2, normal);\n"}};
 }
 
 AddedPatches::AddedPatches(GlContext& context, std::span<const ShaderPatch> patches)

@@ -47,8 +47,8 @@ struct MutationStage {
 /// Cuts walks through such an image into slices, as a driver does that ends loops before their time: the rest of a walk
 /// goes on in further passes. A slice is `steps` + 1 nodes, and a few where there are transforms.
 std::vector<ShaderPatch> slices_of(const GeometryImage& image, int steps = 24);
-/// Ends the loops of transforms and far rays once an invocation has gone through them so many times together, as a
-/// driver does that counts iterations (design: Mesa before 23): in the middle of a round, and every loop from then on.
+/// Ends the loops of transforms before their time, once an invocation has gone through them so many times together, and
+/// from then on those that bring far rays near, as a driver does that counts rounds (walk_state.glsl).
 std::vector<ShaderPatch> loops_that_end(const GeometryImage& image, int rounds);
 
 /// Adds patches to those of a context for as long as this lives. They come after a mutant, which is found by its place.

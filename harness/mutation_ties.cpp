@@ -62,7 +62,8 @@ struct Known {
   float t = kAnyT;
 };
 
-/// What a ray along z through (x, y) meets first, by SEMANTICS 5: the world before instances, and then by number.
+/// What a ray along z through (x, y), from 4 above, meets first, by SEMANTICS 5: the world before instances, and then
+/// by number.
 Known first_of(const Scene& scene, float x, float y) {
   const auto is_inside = [&](std::uint32_t triangle) {
     const auto corners = scene.corners(triangle);
@@ -75,7 +76,7 @@ Known first_of(const Scene& scene, float x, float y) {
   const auto count = static_cast<std::uint32_t>(scene.triangles.size());
   const std::uint32_t world = scene.parts.empty() ? count : scene.parts[0].first_triangle;
   for (std::uint32_t p = 0; p < count; ++p)
-    if (is_inside(p)) return {p, p < world ? kNone : 0};
+    if (is_inside(p)) return {p, p < world ? kNone : 0, 4.0f};
   return {};
 }
 
@@ -118,8 +119,9 @@ MutationOracle of_known(GlContext& context, std::string name, const Scene& scene
 }
 
 /// Rays through corners, edges and the inside of the grid's triangles, from 4 above it: without an end, which ends at
-/// the grid, just above it, and at its start; and one that starts on the grid.
-MutationOracle ties(GlContext& context, bool has_nodes, Layout layout, Links links) {
+/// the grid, just above it, and at its start; and one that starts on the grid. In bundles, every other one ends above
+/// it.
+MutationOracle ties(GlContext& context, bool has_nodes, Layout layout, Links links, int bundle = 1) {
   const Scene scene = grids(has_nodes);
   BakeOptions options;
   options.layout = layout, options.links = links, options.width = 32;
@@ -129,7 +131,7 @@ MutationOracle ties(GlContext& context, bool has_nodes, Layout layout, Links lin
     for (int j = 0; j <= 4 * kCells; ++j) {
       const glm::vec3 over(0.25f * static_cast<float>(i), 0.25f * static_cast<float>(j), 4.0f);
       Ray ray{over, {0.0f, 0.0f, -1.0f}};
-      const int which = (i + 7 * j) % 8;
+      const int which = bundle > 1 ? 5 * static_cast<int>((rays.size() + 1) % 2) : (i + 7 * j) % 8;
       if (which == 3) ray.origin.z = 0.0f;
       if (which == 4) ray.t_max = 4.0f;
       if (which == 5) ray.t_max = std::nextafter(4.0f, 0.0f);
@@ -137,7 +139,7 @@ MutationOracle ties(GlContext& context, bool has_nodes, Layout layout, Links lin
       rays.push_back(ray);
       known.push_back(which == 3 || which == 5 || which == 6 ? Known{} : first_of(scene, over.x, over.y));
     }
-  return of_known(context, has_nodes ? "ties.instances" : "ties", scene, options, rays, known);
+  return of_known(context, has_nodes ? "ties.instances" : "ties", scene, options, rays, known, bundle);
 }
 
 /// Triangles that rays along x see all but edge-on, so that they wait for each, one behind the other: number i crosses
@@ -386,6 +388,7 @@ std::vector<MutationOracle> tie_oracles(GlContext& context) {
       oracles.push_back(waiting(context, 1, has_nodes, layout, 1));
       oracles.push_back(endless(context, has_nodes, layout));
     }
+  oracles.push_back(ties(context, false, Layout::compact, Links::threaded, 2));
   oracles.push_back(waiting(context, 3, false, Layout::compact, 1));
   for (const int bundle : {2, 3}) oracles.push_back(waiting(context, 1, false, Layout::compact, bundle));
   return oracles;

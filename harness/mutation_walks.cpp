@@ -66,7 +66,8 @@ std::string name_of(const Program& p) {
   if (p.traversal == Traversal::brute_force) name += ".brute_force";
   if (p.bundle > 1) name += ".bundles_of_" + std::to_string(p.bundle);
   if (p.alike) name += ".alike";
-  if (p.interruption != Interruption::none) name += p.interruption == Interruption::slices ? ".sliced" : ".loops_end";
+  static constexpr std::array<const char*, 3> kInterruptions{"", ".sliced", ".loops_end"};
+  name += kInterruptions[static_cast<std::size_t>(p.interruption)];
   return name + (p.rare ? ".rare" : "");
 }
 
@@ -237,7 +238,6 @@ std::vector<MutationOracle> walk_oracles(GlContext& context) {
       {S::nested, paper, tree, 1, true, false, Interruption::loops},
       {S::nested, compact, tree, 2, false, false, Interruption::loops},
       {S::nested, compact, tree, 4, true, false, Interruption::loops},
-      {S::scales, compact, tree, 1, true, false, Interruption::loops},
       {S::slats, paper, tree, 1, true},
       {S::speck, compact, tree, 1, true},
       {S::giant, compact, tree, 1, true},
