@@ -52,27 +52,39 @@ Scene strewn(std::uint32_t triangles, std::uint32_t spheres) {
   return scene;
 }
 
+/// Triangles and spheres to be placed more than once.
+struct Pieces {
+  std::vector<std::array<glm::vec3, 3>> triangles;
+  std::vector<Sphere> spheres;
+};
+
+Pieces pieces(Random& random, float size, int spheres, float radius) {
+  Pieces made;
+  for (int i = 0; i < 6; ++i) {
+    const glm::vec3 at = cube_point(random);
+    made.triangles.push_back(
+        {at + size * cube_point(random), at + size * cube_point(random), at + size * cube_point(random)});
+  }
+  for (int i = 0; i < spheres; ++i) made.spheres.push_back({cube_point(random), radius, 0});
+  return made;
+}
+
+void add_pieces(Scene& scene, const Pieces& pieces) {
+  for (const auto& [a, b, c] : pieces.triangles) add_triangle(scene, a, b, c);
+  scene.spheres.insert(scene.spheres.end(), pieces.spheres.begin(), pieces.spheres.end());
+}
+
 /// What stands in the world stands there twice, and in two instances at the same place as well; two more are at
 /// another place, and two are nested.
 Scene doubles(bool has_nodes) {
   Scene scene;
   scene.materials.resize(1);
   Random random(kSeed, name_hash("doubles"), 0);
-  std::vector<std::array<glm::vec3, 3>> triangles;
-  std::vector<Sphere> spheres;
-  for (int i = 0; i < 6; ++i) {
-    const glm::vec3 at = cube_point(random);
-    triangles.push_back(
-        {at + 0.6f * cube_point(random), at + 0.6f * cube_point(random), at + 0.6f * cube_point(random)});
-  }
-  for (int i = 0; i < 3; ++i) spheres.push_back({cube_point(random), 0.25f, 0});
+  const Pieces once = pieces(random, 0.6f, 3, 0.25f);
   for (int space = 0; space < (has_nodes ? 2 : 1); ++space) {
     Part part{"twice", static_cast<std::uint32_t>(scene.triangles.size()), 0,
               static_cast<std::uint32_t>(scene.spheres.size()), 0};
-    for (int twice = 0; twice < 2; ++twice) {
-      for (const auto& [a, b, c] : triangles) add_triangle(scene, a, b, c);
-      scene.spheres.insert(scene.spheres.end(), spheres.begin(), spheres.end());
-    }
+    for (int twice = 0; twice < 2; ++twice) add_pieces(scene, once);
     part.triangle_count = static_cast<std::uint32_t>(scene.triangles.size()) - part.first_triangle;
     part.sphere_count = static_cast<std::uint32_t>(scene.spheres.size()) - part.first_sphere;
     if (space > 0) scene.parts.push_back(part);
@@ -172,20 +184,12 @@ Scene pairs() {
   Scene scene;
   scene.materials.resize(1);
   Random random(kSeed, name_hash("pairs"), 0);
-  std::vector<std::array<glm::vec3, 3>> triangles;
-  std::vector<Sphere> spheres;
-  for (int i = 0; i < 6; ++i) {
-    const glm::vec3 at = cube_point(random);
-    triangles.push_back(
-        {at + 0.7f * cube_point(random), at + 0.7f * cube_point(random), at + 0.7f * cube_point(random)});
-  }
-  for (int i = 0; i < 8; ++i) spheres.push_back({cube_point(random), 0.3f, 0});
+  const Pieces once = pieces(random, 0.7f, 8, 0.3f);
   scene.spheres.push_back({{0.0f, 0.0f, -2.0f}, 0.5f, 0});
   for (const float aside : {0.0f, 3.0f, -3.0f}) {
     Part part{"piece", static_cast<std::uint32_t>(scene.triangles.size()), 0,
               static_cast<std::uint32_t>(scene.spheres.size()), 0};
-    for (const auto& [a, b, c] : triangles) add_triangle(scene, a, b, c);
-    scene.spheres.insert(scene.spheres.end(), spheres.begin(), spheres.end());
+    add_pieces(scene, once);
     if (aside != 0.0f) scene.spheres.push_back({glm::vec3(aside), 0.1f, 0});
     part.triangle_count = static_cast<std::uint32_t>(scene.triangles.size()) - part.first_triangle;
     part.sphere_count = static_cast<std::uint32_t>(scene.spheres.size()) - part.first_sphere;
