@@ -182,8 +182,9 @@ MutationOracle waiting(GlContext& context, int count, bool has_nodes, Layout lay
                   scene, options, rays, known, bundle);
 }
 
-/// A triangle at the end of as many nodes as may stand in one another.
-MutationOracle deepest(GlContext& context) {
+/// A triangle at the end of as many nodes as may stand in one another: such rays go through more loops than Mesa before
+/// 23 has for an invocation, and with the way out `inverse` most of all.
+MutationOracle deepest(GlContext& context, Layout layout, TransformOut out) {
   Scene scene;
   scene.materials.resize(1);
   scene.positions = {{0.0f, 0.0f, 0.0f}, {1.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}};
@@ -197,7 +198,9 @@ MutationOracle deepest(GlContext& context) {
   const auto x = static_cast<float>(kMaxDepth);
   const std::vector<Ray> rays{{{x + 0.25f, 0.125f, 1.5f}, {0.0f, 0.0f, -1.0f}},
                               {{x + 2.0f, 0.125f, 1.5f}, {0.0f, 0.0f, -1.0f}}};
-  return of_known(context, "deepest", scene, {}, rays, {{0, kMaxDepth - 1}, {}});
+  BakeOptions options;
+  options.layout = layout, options.transform_out = out;
+  return of_known(context, std::string("deepest.") + name_of(out), scene, options, rays, {{0, kMaxDepth - 1}, {}});
 }
 
 /// Two triangles share an edge along x, `away` along z; rays pass it so near that their y must not be taken for 0.
@@ -376,8 +379,11 @@ MutationOracle endless(GlContext& context, bool has_nodes, Layout layout) {
 }  // namespace
 
 std::vector<MutationOracle> tie_oracles(GlContext& context) {
-  std::vector<MutationOracle> oracles{second_node(context), deepest(context), smallest_instance(context),
-                                      no_numbers(context), faint(context)};
+  std::vector<MutationOracle> oracles{second_node(context), smallest_instance(context), no_numbers(context),
+                                      faint(context)};
+  oracles.push_back(deepest(context, Layout::compact, TransformOut::restore));
+  for (const Layout layout : {Layout::compact, Layout::paper})
+    oracles.push_back(deepest(context, layout, TransformOut::inverse));
   // Beside the edge of a scene as small as is walked as it is, and of one as far from the origin as its numbers allow.
   oracles.push_back(beside_edge(context, "beside_edge.small", 0x1.8p-20f, 0.0f, 0x1.8p-42f));
   oracles.push_back(beside_edge(context, "beside_edge.far", 1.0f, 0x1p18f, 0x1p-44f));

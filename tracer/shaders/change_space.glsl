@@ -98,8 +98,9 @@ void change_space() {
     node = walk.space;
     int outer = int(record_texel(node, 3).w) - 1;
     leave(node, outer);
-    // Without the ray there is no telling which copy to go on in: another pass comes here again.
+    // Without the ray there is no telling which copy to go on in: another pass comes here again, and counts this node.
     if (ray.cut) walk = before;
+    if (ray.cut && stands_at_node()) --walk.steps;
     if (!ray.cut) go_on_outside(node, outer, derived_octant);
     walk.stalled = ray.cut;
 #ifdef CAPTURE

@@ -20,6 +20,8 @@ void start_walk() { start_region(0, pass_walk.x, octant_of(ray.d)); }
 #ifdef HAS_TRANSFORMS
 // Goes on behind the leaf of a transform.
 void go_behind(int leaf) { walk.at.x = leaf + NODE_TEXELS; }
+// Whether a pass that goes on from here visits a node first: the end of a space is one.
+bool stands_at_node() { return true; }
 #endif
 
 void walk_tree() {

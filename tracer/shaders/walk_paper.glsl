@@ -23,6 +23,8 @@ void start_walk() { start_region(0, pass_walk.x, octant_of(ray.d)); }
 #ifdef HAS_TRANSFORMS
 // Goes on behind the leaf of a transform.
 void go_behind(int leaf) { walk.at = floatBitsToInt(cell_texel(leaf, 1).zw); }
+// Whether a pass that goes on from here visits a node first, and is not at a link to the end of a space.
+bool stands_at_node() { return intBitsToFloat(walk.at.x) >= 0.0; }
 #endif
 
 // A chain has led to the end of the space at hand.
