@@ -332,7 +332,7 @@ BrokenTree break_tree(const TreeFault& fault, std::uint64_t seed) {
     options.tree.split_long = fault.scene == "split" ? 0.3f : 0.0f;
     BrokenTree result = sound_tree(fault.scene, options);
     Random random(seed, name_hash(fault.name), 0);
-    TreeEditor editor(result.broken, random);
+    TreeEditor editor(result.broken, result.scene, random);
     const std::size_t texel = entry.change(editor);
     if (texel == kAttribute) return result;
     const std::size_t width = static_cast<std::size_t>(result.broken.width);

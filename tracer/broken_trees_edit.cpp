@@ -3,6 +3,7 @@
 #include "tracer/broken_trees_edit.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -48,6 +49,45 @@ std::size_t shrink(TreeEditor& editor, const EditNode& node) {
     multiply_radius2(editor, node, 0.5f);
   }
   return editor.place(node.unit);
+}
+
+/// Whether something that a node of the scene shows would stand outside of its leaf, if that shrank. What is stretched
+/// along one axis need not fill the sphere around it, so that some leaves may shrink without harm.
+bool loses_content(TreeEditor& editor, const EditNode& node) {
+  PLUMBLINE_ASSERT(editor.image.scale_exponent == 0);
+  const std::vector<glm::vec4> before = editor.image.texels;
+  shrink(editor, node);
+  const Volume volume = volume_at(editor.image, node.unit);
+  editor.image.texels = before;
+  const auto is_outside = [&](const glm::dvec3& p) {
+    constexpr double kClearly = 1.0 + 0x1p-10;
+    if (!volume.is_box)
+      return glm::length(p - glm::dvec3(volume.center)) > kClearly * std::sqrt(static_cast<double>(volume.radius2));
+    const glm::dvec3 lower(volume.lower), upper(volume.upper), middle = 0.5 * (lower + upper);
+    return glm::any(glm::greaterThan(glm::abs(p - middle), kClearly * 0.5 * (upper - lower)));
+  };
+  const Scene& scene = editor.scene;
+  const std::uint32_t shown = node.payload - editor.image.primitive_count;
+  for (const std::uint32_t instance : instances_of(scene)) {
+    const std::vector<std::uint32_t> chain = chain_of(scene, instance);
+    if (std::find(chain.begin(), chain.end(), shown) == chain.end()) continue;
+    const TransformD out = to_world(scene, instance);
+    const auto taken_out = [&](const glm::dvec3& p) { return out.linear * p + out.translation; };
+    for (std::uint32_t p = 0; p < scene.primitive_count(); ++p) {
+      if (!scene.is_placed(instance, p)) continue;
+      if (scene.is_triangle(p)) {
+        for (const glm::vec3& corner : scene.corners(p))
+          if (is_outside(taken_out(glm::dvec3(corner)))) return true;
+      } else {
+        for (int side = 0; side < 6; ++side) {
+          glm::dvec3 pole(scene.sphere(p).center);
+          pole[side / 2] += (side % 2 == 0 ? 1.0 : -1.0) * static_cast<double>(scene.sphere(p).radius);
+          if (is_outside(taken_out(pole))) return true;
+        }
+      }
+    }
+  }
+  return false;
 }
 
 bool is_far_from_its_brothers(const EditNode& node) { return node.end > node.index + 2; }
@@ -312,7 +352,7 @@ std::size_t shrink_shared_leaf(TreeEditor& editor) {
 
 std::size_t shrink_transform_leaf(TreeEditor& editor) {
   return shrink(editor, editor.choose(editor.nodes(), [&](const EditNode& n) {
-    return is_leaf(n) && n.payload >= editor.image.primitive_count;
+    return is_leaf(n) && n.payload >= editor.image.primitive_count && loses_content(editor, n);
   }));
 }
 

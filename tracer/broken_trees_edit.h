@@ -24,7 +24,8 @@ struct EditNode {
 /// A copy of an image of which changes choose places.
 class TreeEditor {
  public:
-  TreeEditor(GeometryImage& image_in, Random& random) : image(image_in), random_(random) {}
+  TreeEditor(GeometryImage& image_in, const Scene& scene_in, Random& random)
+      : image(image_in), scene(scene_in), random_(random) {}
 
   /// The nodes of a copy of the world's region, or of the region behind a scene node.
   std::vector<EditNode> nodes(std::uint32_t copy = 0, std::uint32_t space = kNone) const;
@@ -39,6 +40,7 @@ class TreeEditor {
   void set_payload(const EditNode& node, std::uint32_t payload);
 
   GeometryImage& image;
+  const Scene& scene;  ///< of which the image is
 
  private:
   Random& random_;
