@@ -124,6 +124,14 @@ std::uint32_t TreeEditor::choose(std::uint32_t count, const std::function<bool(s
   return fit[random_.below(static_cast<std::uint32_t>(fit.size()))];
 }
 
+std::pair<EditNode, EditNode> TreeEditor::choose_pair(
+    const std::vector<EditNode>& from, const std::function<bool(const EditNode&, const EditNode&)>& condition) {
+  const EditNode first = choose(from, [&](const EditNode& a) {
+    return std::any_of(from.begin(), from.end(), [&](const EditNode& b) { return condition(a, b); });
+  });
+  return {first, choose(from, [&](const EditNode& b) { return condition(first, b); })};
+}
+
 glm::vec4& TreeEditor::texel(std::uint64_t unit, int row) { return image.texels[unit_texel(image, unit, row)]; }
 std::size_t TreeEditor::place(std::uint64_t unit) const { return unit_texel(image, unit); }
 
@@ -202,9 +210,9 @@ std::size_t break_link_kind(TreeEditor& editor) {
 
 std::size_t swap_out_links(TreeEditor& editor) {
   const auto nodes = editor.nodes();
-  const EditNode node = editor.choose(nodes, [&](const EditNode& n) { return is_inner(n) && n.end < nodes.size(); });
-  const EditNode other =
-      editor.choose(nodes, [&](const EditNode& n) { return is_leaf(n) && n.index > node.end && n.end < nodes.size(); });
+  const auto [node, other] = editor.choose_pair(nodes, [&](const EditNode& a, const EditNode& b) {
+    return is_inner(a) && is_leaf(b) && b.index > a.end && b.end < nodes.size();
+  });
   editor.set_out(node, other.end);
   editor.set_out(other, node.end);
   return editor.place(other.unit);
@@ -286,28 +294,27 @@ std::size_t leave_out_transform(TreeEditor& editor) {
   GeometryImage& image = editor.image;
   const auto nodes = editor.nodes();
   const auto is_transform = [&](const EditNode& n) { return is_leaf(n) && n.payload >= image.primitive_count; };
-  const EditNode node = editor.choose(nodes, is_transform);
-  const EditNode other =
-      editor.choose(nodes, [&](const EditNode& n) { return is_transform(n) && n.index != node.index; });
+  const auto [node, other] = editor.choose_pair(nodes, [&](const EditNode& a, const EditNode& b) {
+    return is_transform(a) && is_transform(b) && a.index != b.index;
+  });
   editor.set_payload(node, other.payload);
   return transform_texel(image, node.payload - image.primitive_count, 0);
 }
 
 std::size_t repeat_cluster(TreeEditor& editor) {
   const auto nodes = editor.nodes();
-  const EditNode first =
-      editor.choose(nodes, [&](const EditNode& n) { return is_leaf(n) && n.index + 20 < nodes.size(); });
-  const EditNode second = editor.choose(nodes, [&](const EditNode& n) { return is_leaf(n) && n.index > first.index; });
+  const auto [first, second] = editor.choose_pair(nodes, [&](const EditNode& a, const EditNode& b) {
+    return is_leaf(a) && a.index + 20 < nodes.size() && is_leaf(b) && b.index > a.index;
+  });
   editor.set_payload(second, first.payload);
   return editor.place(second.unit);
 }
 
 std::size_t swap_leaves(TreeEditor& editor) {
   const auto nodes = editor.nodes(5);
-  const EditNode first =
-      editor.choose(nodes, [&](const EditNode& n) { return is_leaf(n) && n.index + 20 < nodes.size(); });
-  const EditNode second = editor.choose(
-      nodes, [&](const EditNode& n) { return is_leaf(n) && n.index > first.index && n.parent != first.parent; });
+  const auto [first, second] = editor.choose_pair(nodes, [&](const EditNode& a, const EditNode& b) {
+    return is_leaf(a) && a.index + 20 < nodes.size() && is_leaf(b) && b.index > a.index && b.parent != a.parent;
+  });
   editor.set_payload(first, second.payload), editor.set_payload(second, first.payload);
   return editor.place(first.unit);
 }

@@ -32,6 +32,9 @@ class TreeEditor {
   /// One of the items that satisfy a condition. There is one.
   EditNode choose(const std::vector<EditNode>& from, const std::function<bool(const EditNode&)>& condition);
   std::uint32_t choose(std::uint32_t count, const std::function<bool(std::uint32_t)>& condition);
+  /// Two nodes that satisfy a condition together: the first among those that have such a second.
+  std::pair<EditNode, EditNode> choose_pair(const std::vector<EditNode>& from,
+                                            const std::function<bool(const EditNode&, const EditNode&)>& condition);
 
   glm::vec4& texel(std::uint64_t unit, int row = 0);
   std::size_t place(std::uint64_t unit) const;

@@ -65,6 +65,10 @@ std::string listed(const Certificate& certificate) {
   return text;
 }
 
+/// With the third, a change once met a triangle where it meant a sphere; with the fourth, another found no second leaf;
+/// with the fifth, leaves were exchanged so that a leaf and an inner node looked like twins.
+constexpr std::uint64_t kSeeds[] = {1, 2, 0xc7c9124d568708dd, 0x81af155173f23db2, 0x88e9346c1e862263};
+
 }  // namespace
 
 TEST_CASE("every fault of the library is found by the rule that it breaks, at its cell", "[verify]") {
@@ -73,7 +77,7 @@ TEST_CASE("every fault of the library is found by the rule that it breaks, at it
   std::map<std::string_view, int> faults_of_rule;
   for (const TreeFault& fault : tree_faults()) {
     ++faults_of_rule[fault.rule];
-    for (const std::uint64_t seed : {1ull, 2ull, 3ull}) {
+    for (const std::uint64_t seed : kSeeds) {
       const BrokenTree tree = break_tree(fault, seed);
       INFO(fault.name << ", seed " << seed << ": " << fault.rule << " at (" << tree.x << ", " << tree.y << ")");
       REQUIRE(certify(tree.sound, &tree.scene, &tree.tree).is_sound());

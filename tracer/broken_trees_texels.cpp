@@ -155,7 +155,9 @@ std::size_t make_radius_denormal(TreeEditor& editor) {
 }
 
 std::size_t make_sphere_denormal(TreeEditor& editor) {
-  const std::uint32_t k = editor.choose(editor.image.primitive_count, any);
+  const std::uint32_t k = editor.choose(editor.image.primitive_count, [&](std::uint32_t i) {
+    return !stored_primitive(editor.image, i).is_triangle;
+  });  // not the ground
   primitive_texel(editor, k, 1).x = kDenormal;
   return primitive_texels(editor.image, k)[1];
 }

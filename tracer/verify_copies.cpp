@@ -65,6 +65,8 @@ Twins match(const CopyView& first, const std::vector<std::uint32_t>& first_least
       is_same = first_least[a_children[i]] == other_least[b_children[i]];
     if (!is_same) {
       twins.strays.emplace_back(b == kNone ? 0 : b, a == kNone ? 0 : a);
+      // A leaf and what is none have nothing to compare; the leaf may stand elsewhere.
+      if (a != kNone && first.nodes[a].is_leaf != other.nodes[b].is_leaf) twins.of[a] = kNone;
       continue;
     }
     for (std::size_t i = 0; i < a_children.size(); ++i) {
