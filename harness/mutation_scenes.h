@@ -23,9 +23,12 @@ enum class MutationScene {
   slats,           ///< triangles that all of the rays see edge-on
   scales,          ///< the shipped scene of instances of very different sizes
   speck,           ///< `mixed`, 2^-70 times as large
-  giant,           ///< `nested`, 2^60 times as large, and off the origin
-  apart,           ///< instances 2^-20, 1 and 2^20 times as large, in one another too
-  pairs,           ///< instances 2^-15 as large as the world is, two at each place, and rays towards them
+  // Those from here on have instances.
+  giant,   ///< `nested`, 2^60 times as large, and off the origin
+  apart,   ///< instances 2^-20, 1 and 2^20 times as large, in one another too
+  pairs,   ///< instances 2^-15 as large as the world is, two at each place, and rays towards them
+  heap,    ///< eight instances around the origin in a group 2^-45 as large as the world, and rays through it
+  border,  ///< instances before large ones, and pairs of rays on either side of an octant's border
 };
 const char* name_of(MutationScene scene);
 
@@ -47,8 +50,8 @@ struct MutationStage {
 /// Cuts walks through such an image into slices, as a driver does that ends loops before their time: the rest of a walk
 /// goes on in further passes. A slice is `steps` + 1 nodes, and a few where there are transforms.
 std::vector<ShaderPatch> slices_of(const GeometryImage& image, int steps = 24);
-/// Ends the loops of transforms before their time, once an invocation has gone through them so many times together, and
-/// from then on those that bring far rays near, as a driver does that counts rounds (walk_state.glsl).
+/// Ends the loops of transforms, and those that bring far rays near, before their time, once an invocation has gone
+/// through them so many times together, as a driver does that counts rounds (walk_state.glsl).
 std::vector<ShaderPatch> loops_that_end(const GeometryImage& image, int rounds);
 
 /// Adds patches to those of a context for as long as this lives. They come after a mutant, which is found by its place.

@@ -44,25 +44,30 @@ struct Program {
   Interruption interruption = Interruption::none;  ///< with one the walk takes many passes
 };
 
-std::vector<ShaderPatch> patches_of(const GeometryImage& image, Interruption interruption) {
-  switch (interruption) {
+std::vector<ShaderPatch> patches_of(const GeometryImage& image, const Program& p) {
+  // Enough to resume a walk and to leave an instance; in the heap some loop is then the one that brings a ray near.
+  const int rounds = p.scene == MutationScene::heap ? 12 : 24;
+  switch (p.interruption) {
     case Interruption::slices:
       return slices_of(image);
     case Interruption::loops:
-      return loops_that_end(image, 24);
+      return loops_that_end(image, rounds);
     case Interruption::none:
       break;
   }
   return {};
 }
 
+bool has_transforms(MutationScene scene) {
+  using S = MutationScene;
+  return scene == S::nested || scene == S::spheres_placed || scene == S::doubles || scene == S::scales ||
+         scene >= S::giant;  // and all behind it
+}
+
 std::string name_of(const Program& p) {
   std::string name = std::string(name_of(p.scene)) + "." + name_of(p.options.layout) + "_" + name_of(p.options.bounds) +
                      "_" + name_of(p.options.links);
-  if (p.scene == MutationScene::nested || p.scene == MutationScene::spheres_placed ||
-      p.scene == MutationScene::doubles || p.scene == MutationScene::scales || p.scene == MutationScene::giant ||
-      p.scene == MutationScene::apart || p.scene == MutationScene::pairs)
-    name += std::string("_") + name_of(p.options.transform_out);
+  if (has_transforms(p.scene)) name += std::string("_") + name_of(p.options.transform_out);
   if (p.traversal == Traversal::brute_force) name += ".brute_force";
   if (p.bundle > 1) name += ".bundles_of_" + std::to_string(p.bundle);
   if (p.alike) name += ".alike";
@@ -141,8 +146,9 @@ MutationOracle oracle_of(GlContext& context, const Program& p) {
     Probe(context, *image).trace(rays.rays, *alone);
   }
   std::vector<ModelWalk> model;
-  // A walk that has ended, but not the loops behind it, looks at its last texel once more.
-  const bool is_counted = p.interruption != Interruption::loops && !p.rare && (p.bundle == 1 || p.alike);
+  // In layout `compact` a walk that has ended, but not the loops behind it, looks at its last texel once more.
+  const bool looks_again = p.interruption == Interruption::loops && p.options.layout == Layout::compact;
+  const bool is_counted = !looks_again && !p.rare && (p.bundle == 1 || p.alike);
   if (p.traversal == Traversal::tree && is_counted)
     for (const Ray& ray : rays.rays)
       model.push_back(is_defined(ray) ? model_walk(*image, ray) : ModelWalk{0, 0, 0, false});
@@ -151,7 +157,13 @@ MutationOracle oracle_of(GlContext& context, const Program& p) {
     if (model[i].is_clear && i < rays.odd_from) clear.push_back(rays.rays[i]);
   oracle.ask = [&context, &stage, &rays, image, p, drifts, walks_alone, alone, passed, model,
                 clear](const Mutant& mutant) {
-    const AddedPatches added(context, patches_of(*image, p.interruption));
+    // In the heap all is at one t, so that bounds tell little; but ends of loops must not change an answer.
+    std::vector<Hit> undisturbed;
+    if (p.scene == MutationScene::heap) {
+      Probe probe(context, *image);
+      undisturbed = traced(probe, rays.rays);
+    }
+    const AddedPatches added(context, patches_of(*image, p));
     Probe probe = p.bundle > 1 ? Probe(context, *image, BundleSize{p.bundle}) : Probe(context, *image, p.traversal);
     if (!clear.empty() && p.interruption == Interruption::none) {
       std::vector<Hit> ended(clear.size());
@@ -159,6 +171,8 @@ MutationOracle oracle_of(GlContext& context, const Program& p) {
       if (probe.resumed_passes() > 0) return std::string("rays need another pass, though no triangle is seen edge-on");
     }
     std::vector<Hit> hits = p.alike ? traced_alike(probe, rays.rays, p.bundle) : traced(probe, rays.rays);
+    if (!undisturbed.empty())
+      if (const std::string what = first_difference(rays, hits, undisturbed); !what.empty()) return what;
     if (!model.empty())
       if (const std::string what = first_detour(model, hits, p.bundle == 1); !what.empty()) return what;
     if (drifts && p.bundle > 1) {
@@ -235,7 +249,9 @@ std::vector<MutationOracle> walk_oracles(GlContext& context) {
       {S::nested, compact, tree, 1, false, false, Interruption::slices},
       {S::nested, paper, tree, 1, false, false, Interruption::slices},
       {S::nested, compact, tree, 1, false, false, Interruption::loops},
+      {S::nested, paper, tree, 1, false, false, Interruption::loops},
       {S::nested, paper, tree, 1, true, false, Interruption::loops},
+      {S::heap, compact, tree, 1, true, false, Interruption::loops},
       {S::nested, compact, tree, 2, false, false, Interruption::loops},
       {S::nested, compact, tree, 4, true, false, Interruption::loops},
       {S::slats, paper, tree, 1, true},
@@ -274,6 +290,7 @@ std::vector<MutationOracle> walk_oracles(GlContext& context) {
       {S::nested, drift, tree, 2, true},
       {S::nested, paper_drift, tree, 3, true},
       {S::nested, paper, tree, 4, true},
+      {S::border, drift, tree, 2},
       {S::spheres_placed, drift, tree, 4},
   };
   std::vector<MutationOracle> oracles;
