@@ -31,6 +31,13 @@ enum class MutationScene {
   border,  ///< instances before large ones, and pairs of rays on either side of an octant's border
 };
 const char* name_of(MutationScene scene);
+Scene mutation_scene(MutationScene scene);
+/// The rays that a scene is made for, or some of every family.
+std::vector<Ray> mutation_rays(MutationScene scene, const RaySource& source);
+/// Rays that no family has, or few of: from as far as floats reach, towards the origin of the world or along an axis
+/// (all of them exact), towards the ball and away from it; along axes and diagonals; with directions of denormal
+/// numbers, and tiny components; with ends before the start and none at all.
+std::vector<Ray> odd_rays(const Ball& ball);
 
 /// Rays and what is known of them without a mutant.
 struct MutationRays {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <utility>
 
 #include "scenes/random.h"
 #include "tracer/geometry_image.h"
