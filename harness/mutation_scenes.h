@@ -23,12 +23,11 @@ enum class MutationScene {
   slats,           ///< triangles that all of the rays see edge-on
   scales,          ///< the shipped scene of instances of very different sizes
   speck,           ///< `mixed`, 2^-70 times as large
-  // Those from here on have instances.
-  giant,   ///< `nested`, 2^60 times as large, and off the origin
-  apart,   ///< instances 2^-20, 1 and 2^20 times as large, in one another too
-  pairs,   ///< instances 2^-15 as large as the world is, two at each place, and rays towards them
-  heap,    ///< eight instances around the origin in a group 2^-45 as large as the world, and rays through it
-  border,  ///< instances before large ones, and pairs of rays on either side of an octant's border
+  giant,           ///< `nested`, 2^60 times as large, and off the origin
+  apart,           ///< instances 2^-20, 1 and 2^20 times as large, in one another too
+  pairs,           ///< instances 2^-15 as large as the world is, two at each place, and rays towards them
+  heap,            ///< eight instances around the origin in a group 2^-45 as large as the world, and rays through it
+  border,          ///< instances before large ones, and pairs of rays on either side of an octant's border
 };
 const char* name_of(MutationScene scene);
 Scene mutation_scene(MutationScene scene);

@@ -58,16 +58,10 @@ std::vector<ShaderPatch> patches_of(const GeometryImage& image, const Program& p
   return {};
 }
 
-bool has_transforms(MutationScene scene) {
-  using S = MutationScene;
-  return scene == S::nested || scene == S::spheres_placed || scene == S::doubles || scene == S::scales ||
-         scene >= S::giant;  // and all behind it
-}
-
-std::string name_of(const Program& p) {
+std::string name_of(const Program& p, bool has_transforms) {
   std::string name = std::string(name_of(p.scene)) + "." + name_of(p.options.layout) + "_" + name_of(p.options.bounds) +
                      "_" + name_of(p.options.links);
-  if (has_transforms(p.scene)) name += std::string("_") + name_of(p.options.transform_out);
+  if (has_transforms) name += std::string("_") + name_of(p.options.transform_out);
   if (p.traversal == Traversal::brute_force) name += ".brute_force";
   if (p.bundle > 1) name += ".bundles_of_" + std::to_string(p.bundle);
   if (p.alike) name += ".alike";
@@ -132,7 +126,7 @@ MutationOracle oracle_of(GlContext& context, const Program& p) {
   const MutationStage& stage = mutation_stage(context, p.scene);
   auto image = std::make_shared<const GeometryImage>(bake(stage.stage.scene, p.options));
   MutationOracle oracle;
-  oracle.name = name_of(p);
+  oracle.name = name_of(p, !stage.stage.scene.nodes.empty());
   oracle.programs = lines_of(*image, p);
   const MutationRays& rays = p.rare ? stage.rare : stage.plain;
   const bool drifts = p.options.transform_out == TransformOut::inverse;

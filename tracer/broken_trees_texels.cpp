@@ -155,9 +155,8 @@ std::size_t make_radius_denormal(TreeEditor& editor) {
 }
 
 std::size_t make_sphere_denormal(TreeEditor& editor) {
-  const std::uint32_t k = editor.choose(editor.image.primitive_count, [&](std::uint32_t i) {
-    return !stored_primitive(editor.image, i).is_triangle;
-  });  // not the ground
+  const auto is_sphere = [&](std::uint32_t k) { return !stored_primitive(editor.image, k).is_triangle; };
+  const std::uint32_t k = editor.choose(editor.image.primitive_count, is_sphere);  // not the ground
   primitive_texel(editor, k, 1).x = kDenormal;
   return primitive_texels(editor.image, k)[1];
 }
